@@ -1,0 +1,36 @@
+// From physical neuron parameters to the propagators of one update group.
+// Every exp() of the product is evaluated here, so that no libm runs in the loop.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/image/image_contents.h"
+
+namespace tectum {
+
+struct ReceptorPhysics {
+  std::string name;  // "ex", "in", or the circuit's own
+  ReceptorKind kind = ReceptorKind::Exponential;
+  double tau_ms = 0;               // Exponential
+  std::uint32_t window_ticks = 0;  // Boxcar
+};
+
+/// One population's neurons. Parameters are keyed by their language name, in the fixed units
+/// mV, ms, nA, MOhm, Hz; a parameter with one value holds for all neurons, otherwise there is one a neuron.
+struct ModelPhysics {
+  ModelKind model = ModelKind::LifExp;
+  std::uint32_t size = 0;
+  std::map<std::string, std::vector<double>> parameters;
+  std::vector<ReceptorPhysics> receptors;
+  bool may_sleep = false;
+};
+
+/// Appends the group's parameters, columns and tables to `image` and fills the model part of
+/// `group` (flags and the parameter, column and table ranges). Leaves the neuron, slot and receptor
+/// ranges alone: the caller sets them.
+void lower_model(const ModelPhysics& model, double tick_ms, ImageContents& image, GroupRecord& group);
+
+}  // namespace tectum

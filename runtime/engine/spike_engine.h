@@ -1,0 +1,74 @@
+// Runs a spike image, one tick at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "runtime/image/load_image.h"
+
+namespace tectum {
+
+/// How a sweep is done. Never changes what is computed: every setting gives the same raster.
+enum class SweepStrategy { Automatic, Dense, Sparse };
+enum class SimdLevel { Automatic, Portable, Avx2, Avx512 };
+
+struct EngineOptions {
+  SweepStrategy sweep = SweepStrategy::Automatic;
+  SimdLevel simd = SimdLevel::Automatic;
+  unsigned threads = 1;
+};
+
+/// Counters of things that should not happen, and of work done. Read after the run.
+struct EngineCounters {
+  std::uint64_t ticks = 0;
+  std::uint64_t spikes = 0;
+  std::uint64_t synaptic_events = 0;
+  std::uint64_t saturated_inputs = 0;  // injections clipped to the accumulator's range
+};
+
+class SpikeEngine {
+ public:
+  /// Not real-time safe: allocates everything that step() will ever need.
+  /// `image` is copied by value; its storage is shared.
+  explicit SpikeEngine(const SpikeImage& image, const EngineOptions& options = {});
+  ~SpikeEngine();
+  SpikeEngine(SpikeEngine&&) noexcept;
+  SpikeEngine& operator=(SpikeEngine&&) noexcept;
+
+  /// Back to the initial state, tick 0. Real-time safe.
+  void reset() noexcept;
+
+  /// Advances by one tick. Real-time safe: no allocation, lock, log, exception or system call.
+  void step() noexcept;
+
+  /// Ticks done so far: the spikes() after n steps belong to tick n - 1.
+  [[nodiscard]] std::uint64_t tick() const noexcept;
+
+  /// Neurons that fired in the last tick, ascending.
+  [[nodiscard]] std::span<const NeuronId> spikes() const noexcept;
+
+  /// Holds a FieldSource neuron on or off from the next tick until told otherwise. Real-time safe.
+  void set_field_active(NeuronId neuron, bool is_active) noexcept;
+
+  /// Makes a neuron of any model fire in the next tick, in addition to what it does itself
+  /// (its state is not reset). Real-time safe.
+  void inject_spike(NeuronId neuron) noexcept;
+
+  /// Adds to a slot's accumulator for the next tick, in the receptor's physical unit
+  /// (the projection weight's unit). Clips and counts. Real-time safe.
+  void inject_input(SlotId slot, double weight) noexcept;
+
+  /// Probe: state variable `column` of a neuron in its physical unit (column 0 is v in mV for the
+  /// membrane models), brought up to the current tick. Real-time safe.
+  [[nodiscard]] double probe(NeuronId neuron, std::uint32_t column) const noexcept;
+
+  [[nodiscard]] const EngineCounters& counters() const noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tectum

@@ -1,4 +1,17 @@
 // From a camera frame to active receptive fields.
+//
+// The frame is cropped to its largest centred window of the retina's aspect; the crop spans the reference frame.
+// Along each axis, a field that is at least one camera pixel wide has the pixels whose centres lie in it (half-open),
+// so that fields which tile the reference frame share out the camera's pixels without overlap. A field narrower than
+// a camera pixel (the fovea of a 720-pixel reference seen by a 240-pixel crop) has every pixel that it overlaps: a
+// lit pixel then activates all the small fields under it, since the camera cannot tell them apart.
+//
+// A field is active when its lit pixels >= max(1, lit_share * its pixels), both counted in camera pixels. A field
+// that lies outside the reference frame has no pixel and is never active.
+//
+// The time of a frame depends on its size and on how many rows have a lit pixel, not on how many fields there are
+// under a pixel: lit pixels are counted once, into a table of sums over the strips between field boundaries, and
+// each field reads its count at its four corners (summed-area table, Crow 1984, doi:10.1145/800031.808600).
 #pragma once
 
 #include <cstdint>

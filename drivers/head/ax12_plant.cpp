@@ -21,7 +21,8 @@ double drawn_dead_time_s(const Ax12Params& params, std::uint64_t seed, std::uint
 
 }  // namespace
 
-Ax12Plant::Ax12Plant(const Ax12Params& params, JointLimits limits, std::uint64_t seed, std::uint32_t servo)
+Ax12Plant::Ax12Plant(const Ax12Params& params, JointLimits limits, std::uint64_t seed, std::uint32_t servo,
+                     double start_deg)
     : unit_deg_(params.unit_deg),
       margin_deg_(params.compliance_margin_units * params.unit_deg),
       per_slope_deg_(1.0 / (params.compliance_slope_units * params.unit_deg)),
@@ -30,7 +31,9 @@ Ax12Plant::Ax12Plant(const Ax12Params& params, JointLimits limits, std::uint64_t
                                                      : params.no_load_speed_deg_s),
       lag_keep_(std::exp(-kStepS / params.velocity_lag_s)),
       limits_(limits),
-      dead_time_ns_(std::llround(drawn_dead_time_s(params, seed, servo) * 1e9)) {}
+      dead_time_ns_(std::llround(drawn_dead_time_s(params, seed, servo) * 1e9)),
+      goal_deg_(std::clamp(start_deg, limits.min_deg, limits.max_deg)),
+      position_deg_(goal_deg_) {}
 
 void Ax12Plant::command(TimeNs now_ns, double goal_deg, bool torque_on) noexcept {
   if (!std::isfinite(goal_deg)) {

@@ -36,8 +36,9 @@ struct Ax12Params {
 
 class Ax12Plant {
  public:
-  /// `servo` keeps the draws of the servos of one seed apart.
-  Ax12Plant(const Ax12Params& params, JointLimits limits, std::uint64_t seed, std::uint32_t servo);
+  /// `servo` keeps the draws of the servos of one seed apart. At rest at `start_deg`.
+  Ax12Plant(const Ax12Params& params, JointLimits limits, std::uint64_t seed, std::uint32_t servo,
+            double start_deg = 0);
 
   /// The newest goal wins once its dead time has passed. Angles that are not finite are ignored.
   void command(TimeNs now_ns, double goal_deg, bool torque_on) noexcept;
@@ -74,9 +75,9 @@ class Ax12Plant {
   TimeNs dead_time_ns_;
 
   TimeNs time_ns_ = 0;
-  double goal_deg_ = 0;
+  double goal_deg_;
   bool torque_on_ = true;
-  double position_deg_ = 0;
+  double position_deg_;
   double velocity_deg_s_ = 0;
 };
 

@@ -1,4 +1,12 @@
 // From spikes to joint angles, as the image's outputs say.
+//
+//   rate_term   = spikes of the term's neurons in the last window_ticks ticks / size / window       (Hz)
+//   Position:     angle      = offset + sum of gain * rate
+//   Velocity:   d angle / dt = sum of gain * rate,   angle(0) = offset;  integrated once a tick (Euler)
+//   joint       = sum of the angles of the outputs that name it
+//
+// The window is a boxcar that starts empty: until window_ticks have passed, the rate rises as if the neurons had been
+// silent before the run.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +33,10 @@ class Decoder {
   /// Angles now, before the guard. Joints that no output drives stay at 0. Real-time safe.
   void decode(std::span<double, kJointCount> goal_deg) const noexcept;
   /// Velocity outputs integrate; this tells them what the guard let through, so that the integral
-  /// does not wind up against a limit. Real-time safe.
+  /// does not wind up against a limit. A joint that only Velocity outputs drive goes on from the
+  /// guarded angle. Where Position outputs add to it, at most what was integrated since the last
+  /// call is taken back, because a slewed Position output is no reason to move the integral.
+  /// A guarded angle that is no number changes nothing. Real-time safe.
   void accept(std::span<const double, kJointCount> guarded_deg) noexcept;
 
  private:

@@ -1,0 +1,197 @@
+// What a circuit file says, as written: every name with its place and unresolved, every value still text.
+// Shape is settled (known keys, right JSON types); meaning is not.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/source/source_file.h"
+
+namespace tectum {
+
+struct NameDecl {
+  std::string text;
+  Span span;  // without the quotes
+};
+
+/// A number, or a string that holds an expression.
+struct ValueDecl {
+  bool is_number = false;
+  double number = 0;
+  std::string text;                // as written, also of a number
+  Span span;                       // without the quotes
+  bool has_exact_offsets = false;  // byte i of `text` is byte span.begin + i of the file
+};
+
+/// A key whose meaning depends on the model or the rule: "tau_m": "20 ms", "times": ["1 ms", "2 ms"].
+struct KeyedValue {
+  NameDecl key;
+  std::vector<ValueDecl> values;
+  bool is_list = false;
+  Span span;  // of the value or the list
+};
+
+struct ProvenanceDecl {
+  std::vector<NameDecl> cites;
+  std::string about;
+};
+
+struct ReferenceDecl {
+  NameDecl name;
+  std::string doi;
+  std::string title;
+};
+
+struct ParameterDecl {
+  NameDecl name;
+  ValueDecl value;
+  std::vector<ValueDecl> range;  // none, or lowest and highest
+  std::string about;
+};
+
+struct AxisDecl {
+  NameDecl name;
+  std::vector<NameDecl> sides;
+};
+
+struct ReceptorDecl {
+  NameDecl name;
+  std::optional<NameDecl> kind;
+  std::optional<ValueDecl> tau;
+  std::optional<ValueDecl> window;
+};
+
+struct NeuronDecl {
+  NameDecl name;
+  std::optional<NameDecl> extends;
+  std::optional<NameDecl> model;
+  std::vector<KeyedValue> parameters;
+  std::vector<ReceptorDecl> receptors;
+  ProvenanceDecl provenance;
+};
+
+/// The input behind a population; `side` is empty when one input serves it whole.
+struct InputUseDecl {
+  NameDecl side;
+  NameDecl input;
+};
+
+struct PopulationDecl {
+  NameDecl name;
+  std::optional<NameDecl> neuron;
+  std::vector<InputUseDecl> inputs;
+  std::optional<ValueDecl> size;
+  std::vector<NameDecl> axes;
+  std::optional<NameDecl> nucleus;
+  std::vector<KeyedValue> overrides;  // parameters of the neuron type, for this population
+  ProvenanceDecl provenance;
+};
+
+struct RuleDecl {
+  NameDecl kind;
+  std::vector<KeyedValue> arguments;
+};
+
+/// One relation for every shared axis (axis empty), or one for a named axis.
+struct SideDecl {
+  NameDecl axis;
+  NameDecl relation;
+};
+
+struct ProjectionDecl {
+  NameDecl name;
+  std::vector<NameDecl> from;
+  std::vector<NameDecl> to;
+  RuleDecl rule;
+  std::vector<SideDecl> side;
+  std::vector<NameDecl> only_sides;
+  std::optional<NameDecl> sign;
+  std::optional<NameDecl> receptor;
+  std::optional<ValueDecl> weight;
+  std::optional<ValueDecl> delay;
+  std::optional<ValueDecl> where;
+  ProvenanceDecl provenance;
+};
+
+struct RingDecl {
+  Span span;
+  ValueDecl outer;
+  std::optional<ValueDecl> fields_per_side;  // of a ring
+  std::vector<ValueDecl> block;              // of the innermost square: columns, rows
+};
+
+/// The shorthand that generates the rings.
+struct FoveatedDecl {
+  Span span;
+  ValueDecl outer;
+  ValueDecl inner;
+  ValueDecl fields_per_side;
+  ValueDecl fovea_px;
+};
+
+struct RetinaDecl {
+  NameDecl name;
+  Span span;
+  NameDecl eye;
+  std::vector<ValueDecl> frame;
+  Span frame_span;
+  ValueDecl field_of_view;
+  std::vector<RingDecl> rings;
+  std::optional<FoveatedDecl> foveated;
+  std::optional<NameDecl> lit_channel;
+  std::optional<ValueDecl> lit_above;
+  std::optional<NameDecl> fires_when;
+};
+
+struct OutputTermDecl {
+  NameDecl population;
+  ValueDecl gain;
+};
+
+struct OutputDecl {
+  NameDecl name;
+  std::vector<NameDecl> rate_difference;  // none, or two
+  std::optional<ValueDecl> gain;
+  std::vector<OutputTermDecl> terms;
+  ValueDecl window;
+  std::optional<ValueDecl> offset;
+  std::vector<NameDecl> joints;
+  std::vector<ValueDecl> limits;
+  ProvenanceDecl provenance;
+};
+
+struct JointDecl {
+  NameDecl name;
+  std::vector<ValueDecl> limits;
+  Span limits_span;
+  std::optional<ValueDecl> max_speed;
+};
+
+struct LesionDecl {
+  NameDecl name;  // empty for one from the command line
+  std::vector<NameDecl> targets;
+  std::optional<ValueDecl> fraction;
+};
+
+struct CircuitDecl {
+  Span span;
+  NameDecl name;
+  std::optional<ValueDecl> tick;
+  std::optional<ValueDecl> seed;
+  std::vector<ReferenceDecl> references;
+  std::vector<ParameterDecl> parameters;
+  std::vector<AxisDecl> axes;
+  std::vector<NeuronDecl> neurons;
+  std::vector<PopulationDecl> populations;
+  std::vector<ProjectionDecl> projections;
+  std::vector<RetinaDecl> retinas;
+  std::vector<OutputDecl> outputs;
+  std::vector<JointDecl> joints;
+  std::vector<LesionDecl> lesions;
+};
+
+/// One line a declaration, for `dump`.
+[[nodiscard]] std::string dump_circuit_decl(const CircuitDecl& decl);
+
+}  // namespace tectum

@@ -1,0 +1,40 @@
+// The sections of a circuit file, one function a kind of declaration. Called by parse_circuit alone.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "compiler/diagnostics/diagnostic.h"
+#include "compiler/parse/circuit_decl.h"
+#include "compiler/parse/json_tree.h"
+
+namespace tectum {
+
+/// Where a section's parser stands.
+struct SectionContext {
+  const JsonTree& tree;
+  Diagnostics& diagnostics;
+};
+
+/// A member of a section: its name with its place, and its value's node.
+struct Member {
+  NameDecl name;
+  JsonId id;
+};
+
+/// "population `EBN`".
+[[nodiscard]] std::string described(std::string_view kind, const NameDecl& name);
+
+ReferenceDecl parse_reference(const SectionContext& context, const Member& member);
+ParameterDecl parse_parameter(const SectionContext& context, const Member& member);
+AxisDecl parse_axis(const SectionContext& context, const Member& member);
+NeuronDecl parse_neuron(const SectionContext& context, const Member& member);
+PopulationDecl parse_population(const SectionContext& context, const Member& member);
+ProjectionDecl parse_projection(const SectionContext& context, const Member& member);
+RetinaDecl parse_input(const SectionContext& context, const Member& member);
+OutputDecl parse_output(const SectionContext& context, const Member& member);
+JointDecl parse_joint(const SectionContext& context, const Member& member);
+LesionDecl parse_lesion(const SectionContext& context, const Member& member);
+
+}  // namespace tectum

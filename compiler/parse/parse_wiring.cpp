@@ -1,0 +1,85 @@
+// Projections and lesions.
+#include <utility>
+
+#include "compiler/parse/object_reader.h"
+#include "compiler/parse/parse_sections.h"
+
+namespace tectum {
+namespace {
+
+/// "all_to_all", or {"fixed_probability": {"p": 0.1}}, or {"kind": "fixed_probability", "p": 0.1}.
+RuleDecl parse_rule(const SectionContext& context, ObjectReader& projection) {
+  RuleDecl rule;
+  const JsonId id = projection.child("rule");
+  if (id == JsonId::None) {
+    projection.report_missing("rule");
+    return rule;
+  }
+  const JsonNode& node = context.tree[id];
+  if (node.kind == JsonKind::String) {
+    rule.kind = {node.text, inner_span(node)};
+    return rule;
+  }
+  ObjectReader reader(context.tree, id, "`rule`", context.diagnostics);
+  rule.kind = reader.required_name("kind");
+  rule.arguments = reader.rest();
+  reader.finish();
+  return rule;
+}
+
+/// "contra", or {"horizontal": "contra", "eye": "ipsi"}.
+std::vector<SideDecl> parse_side(const SectionContext& context, ObjectReader& projection) {
+  std::vector<SideDecl> sides;
+  const JsonId id = projection.child("side");
+  if (id == JsonId::None) {
+    return sides;
+  }
+  const JsonNode& node = context.tree[id];
+  if (node.kind == JsonKind::String) {
+    sides.push_back({{}, {node.text, inner_span(node)}});
+    return sides;
+  }
+  ObjectReader reader(context.tree, id, "`side`", context.diagnostics);
+  for (KeyedValue& entry : reader.rest()) {
+    if (entry.values.size() == 1 && !entry.values.front().is_number) {
+      sides.push_back({entry.key, {entry.values.front().text, entry.values.front().span}});
+    } else {
+      context.diagnostics.add(Code::WrongType, entry.span, {"a side", "something else", "a string"});
+    }
+  }
+  return sides;
+}
+
+}  // namespace
+
+ProjectionDecl parse_projection(const SectionContext& context, const Member& member) {
+  ObjectReader reader(context.tree, member.id, described("projection", member.name), context.diagnostics);
+  ProjectionDecl decl;
+  decl.name = member.name;
+  decl.from = reader.required_names("from");
+  decl.to = reader.required_names("to");
+  decl.rule = parse_rule(context, reader);
+  decl.side = parse_side(context, reader);
+  decl.only_sides = reader.names("sides");
+  decl.sign = reader.name("sign");
+  decl.receptor = reader.name("receptor");
+  decl.weight = reader.required_value("weight");
+  decl.delay = reader.required_value("delay");
+  decl.where = reader.value("where");
+  decl.provenance = reader.provenance();
+  reader.finish();
+  return decl;
+}
+
+LesionDecl parse_lesion(const SectionContext& context, const Member& member) {
+  ObjectReader reader(context.tree, member.id, described("lesion", member.name), context.diagnostics);
+  LesionDecl decl;
+  decl.name = member.name;
+  decl.targets = reader.required_names("remove");
+  decl.fraction = reader.value("fraction");
+  static_cast<void>(reader.provenance());
+  reader.finish();
+  return decl;
+}
+
+}  // namespace tectum

@@ -91,8 +91,9 @@ enum class ExprOp : std::uint8_t {
 
 struct ExprNode {
   ExprOp op = ExprOp::Number;
-  ExprSpan span;                    // the whole subexpression, brackets excluded
+  ExprSpan span;                    // the whole subexpression with its brackets
   ExprSpan token;                   // the operator, the name, or the number without its unit
+  ExprSpan unit;                    // Number: the unit as written, empty when there is none
   std::uint32_t first_operand = 0;  // into Expression::operands
   std::uint32_t operand_count = 0;
   double value = 0;     // Number: coherent value
@@ -101,6 +102,7 @@ struct ExprNode {
 
 inline constexpr std::size_t kMaxExpressionBytes = 16384;
 inline constexpr int kMaxExpressionDepth = 200;
+inline constexpr std::size_t kMaxArguments = 16;
 
 /// Nodes in post-order: operands come before their operator, the root is the last node.
 struct Expression {
@@ -145,10 +147,8 @@ struct Environment {
 /// The nearest of `names` to `misspelt` (edit distance at most a third of its length, at least 1), if any.
 std::optional<std::string> nearest_name(std::string_view misspelt, std::span<const std::string> names);
 
-/// One step of the flat program: registers[target] = op(registers[a], registers[b], registers[c]).
+/// The steps of a typed expression's flat program. Numbers are doubles; truth values are 0 and 1.
 enum class EvalOp : std::uint8_t {
-  LoadConstant,  // constants[a]
-  LoadVariable,  // column of slot a
   Negate,
   Not,
   Add,
@@ -166,9 +166,8 @@ enum class EvalOp : std::uint8_t {
   Exp,
   Log,
   Log2,
+  Log10,
   Sqrt,
-  Min,
-  Max,
   Abs,
   Floor,
   Ceil,
@@ -179,27 +178,38 @@ enum class EvalOp : std::uint8_t {
   Asin,
   Acos,
   Atan,
-  Atan2,
   Tanh,
+  Min,
+  Max,
+  Atan2,
   Hypot,
   Mod,
 };
 
-struct EvalInstruction {
-  EvalOp op = EvalOp::LoadConstant;
-  std::uint16_t target = 0;
-  std::uint16_t a = 0;
-  std::uint16_t b = 0;
-  std::uint16_t c = 0;
+/// Where a step finds a value: a folded constant, the column of a slot, or an earlier step's target.
+struct EvalOperand {
+  enum class Kind : std::uint8_t { Constant, Slot, Temporary };
+  Kind kind = Kind::Constant;
+  std::uint16_t index = 0;
 };
 
-/// A checked expression: constant parts are folded, so a constant is one instruction.
+/// temporaries[target] = op(a, b, c); unused operands are constant 0's place.
+struct EvalInstruction {
+  EvalOp op = EvalOp::Negate;
+  std::uint16_t target = 0;
+  EvalOperand a;
+  EvalOperand b;
+  EvalOperand c;
+};
+
+/// A checked expression with its constant parts folded.
 struct TypedExpression {
   Dimension dimension;
-  std::optional<double> constant;        // coherent value, when no variable matters
-  std::vector<EvalInstruction> program;  // result in register 0 of the last instruction's target
+  std::optional<double> constant;  // coherent value, when no variable matters
+  std::vector<EvalInstruction> program;
   std::vector<double> constants;
-  std::uint32_t register_count = 0;
+  EvalOperand result;
+  std::uint32_t temporary_count = 0;
   std::uint32_t slot_count = 0;  // 1 + the largest slot read, 0 when none
 };
 
@@ -226,6 +236,7 @@ struct EvalColumn {
 /// has already arranged. Results may be infinite or NaN where the data make them so: check the output.
 class Evaluator {
  public:
+  /// Keeps a reference: the expression must outlive it.
   explicit Evaluator(const TypedExpression& expression);
   /// columns.size() >= slot_count; writes out.size() values.
   void evaluate(std::span<const EvalColumn> columns, std::span<double> out);
@@ -234,7 +245,7 @@ class Evaluator {
 
  private:
   const TypedExpression* expression_;
-  std::vector<double> scratch_;
+  std::vector<double> scratch_;  // temporaries, then constants, then broadcast slots: one block each
 };
 
 }  // namespace tectum

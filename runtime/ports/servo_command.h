@@ -14,6 +14,7 @@ struct ServoCommand {
   TimeNs issued_ns = 0;
   std::array<double, kJointCount> goal_deg{};
   bool torque_on = true;
+  std::uint32_t joint_mask = (1U << kJointCount) - 1;  // bit j: this command is for Joint j
 };
 
 /// Last measured angles. A joint that has not answered keeps its old value and a clear bit in fresh_mask.

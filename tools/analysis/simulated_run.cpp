@@ -1,0 +1,89 @@
+#include "tools/analysis/simulated_run.h"
+
+#include <cmath>
+
+#include "tools/analysis/run_recorder.h"
+
+namespace tectum {
+namespace {
+
+/// Passes the head's frames on and remembers the last one, for those who want to see the pictures.
+class WatchedCamera final : public Camera {
+ public:
+  explicit WatchedCamera(Camera& camera) : camera_(camera) {}
+  [[nodiscard]] CameraStatus read(TimeNs now_ns, Frame& out) noexcept override {
+    const CameraStatus status = camera_.read(now_ns, out);
+    if (status == CameraStatus::NewFrame) {
+      last_ = out;
+    }
+    return status;
+  }
+  [[nodiscard]] const Frame& last() const { return last_; }
+
+ private:
+  Camera& camera_;
+  Frame last_;
+};
+
+void add_truth(const HeadTruth& truth, RecordedFrame& frame) {
+  frame.has_truth = true;
+  frame.target_on_wall_m = truth.target_on_wall_m;
+  for (std::size_t eye = 0; eye < kEyeCount; ++eye) {
+    const EyeGaze& gaze = truth.eye[eye];
+    frame.eye[eye] = {.target_pan_deg = gaze.target_pan_deg,
+                      .target_tilt_deg = gaze.target_tilt_deg,
+                      .error_pan_deg = gaze.error_pan_deg,
+                      .error_tilt_deg = gaze.error_tilt_deg,
+                      .gaze_pan_deg = gaze.gaze_pan_deg,
+                      .gaze_tilt_deg = gaze.gaze_tilt_deg,
+                      .gaze_on_wall_m = gaze.gaze_on_wall_m};
+  }
+}
+
+}  // namespace
+
+SimHeadParams with_view_of(const SpikeImage& image, SimHeadParams head) {
+  if (!image.retinas.empty()) {
+    head.camera.field_of_view_deg = image.retinas.front().field_of_view_deg;
+  }
+  return head;
+}
+
+Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions& options, const RunObserver& observer) {
+  SimHead head(with_view_of(image, options.head));
+  WatchedCamera left(head.eye_camera(Eye::Left));
+  WatchedCamera right(head.eye_camera(Eye::Right));
+  RunRecorder recorder(image);
+  LoopOptions loop_options;
+  loop_options.frame_period_ns = options.head.frame_period_ns;
+  loop_options.engine = options.engine;
+  ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = head}, loop_options, &recorder);
+
+  const auto duration_ns = static_cast<TimeNs>(std::llround(options.duration_s * 1e9));
+  const auto turns = static_cast<std::uint64_t>(
+      std::max<TimeNs>(1, (duration_ns + options.head.frame_period_ns - 1) / options.head.frame_period_ns));
+  for (std::uint64_t turn = 0; turn < turns; ++turn) {
+    if (loop.turn() == LoopStatus::Ended) {
+      break;
+    }
+    RecordedFrame frame = loop.frame();
+    add_truth(head.truth_at_now(), frame);
+    recorder.add_frame(std::move(frame));
+    if (observer.pictures && left.last().bgr != nullptr && right.last().bgr != nullptr) {
+      observer.pictures(left.last(), right.last());
+    }
+    if (observer.progress) {
+      observer.progress(static_cast<double>(turn + 1) / static_cast<double>(turns));
+    }
+  }
+
+  Recording& recording = recorder.recording();
+  recording.scenario = scenario_name(options.head.scenario.kind);
+  recording.seed = options.head.seed;
+  recording.frame_period_ns = options.head.frame_period_ns;
+  recording.duration_s = options.duration_s;
+  recording.wall_distance_m = options.head.geometry.wall_distance_m;
+  return std::move(recording);
+}
+
+}  // namespace tectum

@@ -1,0 +1,33 @@
+// A circuit in the simulated head, in virtual time.
+#pragma once
+
+#include <functional>
+
+#include "drivers/head/sim_head.h"
+#include "runtime/image/load_image.h"
+#include "runtime/loop/control_loop.h"
+#include "runtime/record/recording.h"
+
+namespace tectum {
+
+struct SimulatedRunOptions {
+  SimHeadParams head;
+  double duration_s = 60;
+  EngineOptions engine;
+};
+
+/// The head's cameras see what the circuit's retinas expect: their field of view becomes the cameras'.
+/// Without a retina the parameters come back as they are.
+[[nodiscard]] SimHeadParams with_view_of(const SpikeImage& image, SimHeadParams head);
+
+/// Called after every frame with the share of the run that is done, and the two eyes' pictures.
+struct RunObserver {
+  std::function<void(double done)> progress;
+  std::function<void(const Frame& left, const Frame& right)> pictures;  // only with frames in hand
+};
+
+/// Runs for duration_s of virtual time. Deterministic in its arguments.
+[[nodiscard]] Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions& options,
+                                           const RunObserver& observer = {});
+
+}  // namespace tectum

@@ -1,0 +1,20 @@
+// One file per command: each parses its options, calls a library and chooses streams.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <ostream>
+
+namespace tectum {
+
+struct CommandContext {
+  std::ostream& out;
+  std::ostream& err;
+  int exit_status = 0;  // what the chosen command's callback sets
+};
+
+void add_check_command(CLI::App& app, CommandContext& context);
+void add_compile_command(CLI::App& app, CommandContext& context);
+void add_dump_command(CLI::App& app, CommandContext& context);
+void add_run_command(CLI::App& app, CommandContext& context);
+
+}  // namespace tectum

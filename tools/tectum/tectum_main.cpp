@@ -1,0 +1,38 @@
+#include "tools/tectum/tectum_main.h"
+
+#include <algorithm>
+
+#include "tools/tectum/command.h"
+
+namespace tectum {
+
+int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
+  CLI::App app{"Tectum compiles a connectome written as a circuit file and runs it on a robotic head.", "tectum"};
+  app.footer(
+      "Examples:\n"
+      "  tectum check circuits/oculomotor.json\n"
+      "  tectum run circuits/oculomotor.json --scenario random --duration 60 --report out/report.html\n"
+      "  tectum COMMAND --help\n");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "tectum 0.1.0");
+
+  CommandContext context{out, err};
+  add_check_command(app, context);
+  add_compile_command(app, context);
+  add_dump_command(app, context);
+  add_run_command(app, context);
+
+  std::vector<std::string> reversed(args.rbegin(), args.rend());
+  if (reversed.empty()) {
+    reversed.emplace_back("--help");
+  }
+  try {
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    const int status = app.exit(error, out, err);
+    return status == 0 ? kExitOk : kExitUsage;
+  }
+  return context.exit_status;
+}
+
+}  // namespace tectum

@@ -49,7 +49,7 @@ class Parser {
 
   std::optional<Expression> parse() {
     if (expression_.text.size() > kMaxExpressionBytes) {
-      fail(ExprErrorCode::TooComplex, {0, 1},
+      fail(ExprErrorCode::TooComplex, {0, static_cast<std::uint32_t>(expression_.text.size())},
            "expression is longer than " + std::to_string(kMaxExpressionBytes) + " bytes");
       return std::nullopt;
     }
@@ -375,8 +375,8 @@ class Parser {
     const std::string wanted = "expected " + std::string(expected);
     if (token_.kind == TokenKind::End) {
       // Points behind the last token, one byte wide so that there is something to underline.
-      const std::uint32_t end = std::max(previous_end_, std::uint32_t{1});
-      fail(ExprErrorCode::Syntax, {end - 1, end},
+      const auto end = std::min(std::max(previous_end_, std::uint32_t{1}), static_cast<std::uint32_t>(text().size()));
+      fail(ExprErrorCode::Syntax, {end == 0 ? 0 : end - 1, end},
            text().find_first_not_of(" \t\r\n") == std::string_view::npos ? "expression is empty"
                                                                          : wanted + ", the expression ends here");
       return;

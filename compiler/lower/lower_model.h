@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/image/image_contents.h"
@@ -28,9 +29,19 @@ struct ModelPhysics {
   bool may_sleep = false;
 };
 
+/// True when the parameter of that language name may have one value a neuron. False for a name that
+/// the model does not have.
+[[nodiscard]] bool parameter_may_vary(ModelKind model, std::string_view name);
+
+/// The resting state lies below threshold for every neuron, so the population can be let sleep.
+/// False for models that never sleep.
+[[nodiscard]] bool rests_below_threshold(const ModelPhysics& model);
+
 /// Appends the group's parameters, columns and tables to `image` and fills the model part of
-/// `group` (flags and the parameter, column and table ranges). Leaves the neuron, slot and receptor
-/// ranges alone: the caller sets them.
+/// `group` (model, flags and the parameter, column and table ranges).
+/// Leaves the neuron, slot, receptor and data ranges alone: the caller sets them. Parameters
+/// that are left out take the default of runtime/image/models.h.
+/// Needs: names and sizes checked, time constants and periods positive, t_ref in whole ticks.
 void lower_model(const ModelPhysics& model, double tick_ms, ImageContents& image, GroupRecord& group);
 
 }  // namespace tectum

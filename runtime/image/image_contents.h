@@ -25,8 +25,8 @@ struct ImageContents {
   std::vector<double> parameters;
   std::vector<double> columns;
   std::vector<float> tables;
-  std::vector<std::uint32_t> row_begin;   // N + 1
-  std::vector<SegmentRecord> segments;    // S + 1, the last a sentinel
+  std::vector<std::uint32_t> row_begin;  // N + 1
+  std::vector<SegmentRecord> segments;   // S + 1, the last a sentinel
   std::vector<std::uint32_t> targets;
   std::vector<std::int32_t> weights;
   std::vector<ProjectionRecord> projections;

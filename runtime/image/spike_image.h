@@ -60,7 +60,7 @@ enum class SectionKind : std::uint32_t {
   OutputTerms = 16,   // OutputTermRecord
   Joints = 17,        // JointRecord
   Programs = 18,      // u32 words of equation programs (language version 1: optional)
-  SourceSpikes = 19,  // u32 pairs (tick, neuron of the group) for spike_list groups
+  SourceSpikes = 19,  // u32 pairs (tick, neuron of the group) for spike_list groups, ascending
 };
 
 struct FileHeader {
@@ -68,7 +68,7 @@ struct FileHeader {
   std::uint32_t version;
   std::uint32_t section_count;
   std::uint64_t file_bytes;
-  std::uint64_t checksum;  // of every byte after the header
+  std::uint64_t checksum;  // of every byte of the file, this field read as zero
   std::uint64_t tick_ns;
   std::uint64_t seed;
   std::uint32_t circuit_name;  // StringId
@@ -110,6 +110,7 @@ struct PopulationRecord {
 
 enum GroupFlags : std::uint32_t {
   kGroupMaySleep = 1U << 0U,  // part of the semantics, see runtime/README.md
+  // bits 8 to 31: which parameters have a column, see kGroupColumnShift in models.h
 };
 
 struct GroupRecord {
@@ -127,16 +128,16 @@ struct GroupRecord {
   std::uint32_t column_count;
   std::uint32_t table_begin;
   std::uint32_t table_count;
-  std::uint32_t data_begin;  // Program words or SourceSpikes pairs
-  std::uint32_t data_count;
+  std::uint32_t data_begin;  // first u32 word in Programs or SourceSpikes
+  std::uint32_t data_count;  // words
 };
 static_assert(sizeof(GroupRecord) == 64);
 
 struct ReceptorRecord {
   std::uint32_t name;  // StringId: "ex", "in", ...
   ReceptorKind kind;
-  std::int32_t quantum_log2;    // physical weight = quanta * 2^quantum_log2, in the model's input unit
-  std::uint32_t window_ticks;   // Boxcar only, else 0
+  std::int32_t quantum_log2;   // physical weight = quanta * 2^quantum_log2, in the model's input unit
+  std::uint32_t window_ticks;  // Boxcar only, else 0
 };
 
 struct SegmentRecord {
@@ -164,11 +165,11 @@ enum class LitChannel : std::uint32_t {
   Red = 1,
   Green = 2,
   Blue = 3,
-  Luma = 4,                 // (77 R + 150 G + 29 B) / 256
-  RedOverGreenBlue = 5,     // R - max(G, B)
-  GreenOverRedBlue = 6,     // G - max(R, B)
-  BlueOverRedGreen = 7,     // B - max(R, G)
-  Brightest = 8,            // max(R, G, B)
+  Luma = 4,              // (77 R + 150 G + 29 B) / 256
+  RedOverGreenBlue = 5,  // R - max(G, B)
+  GreenOverRedBlue = 6,  // G - max(R, B)
+  BlueOverRedGreen = 7,  // B - max(R, G)
+  Brightest = 8,         // max(R, G, B)
 };
 
 /// A foveated sheet of receptive fields over one camera's image.
@@ -178,12 +179,12 @@ enum class LitChannel : std::uint32_t {
 struct RetinaRecord {
   std::uint32_t name;  // StringId
   Eye eye;
-  std::uint32_t frame_width;   // reference pixels
+  std::uint32_t frame_width;  // reference pixels
   std::uint32_t frame_height;
-  double field_of_view_deg;    // horizontal angle that frame_width spans (pinhole)
+  double field_of_view_deg;  // horizontal angle that frame_width spans (pinhole)
   LitChannel lit_channel;
-  std::uint32_t lit_above;     // a pixel is lit when channel > lit_above, 0..255
-  double lit_share;            // a field is active when lit pixels >= max(1 pixel, share * its pixels)
+  std::uint32_t lit_above;  // a pixel is lit when channel > lit_above, 0..255
+  double lit_share;         // a field is active when lit pixels >= max(1 pixel, share * its pixels)
   std::uint32_t first_field;
   std::uint32_t field_count;
   std::uint32_t first_neuron;  // of the FieldSource group: field k drives neuron first_neuron + k
@@ -204,8 +205,8 @@ enum class OutputKind : std::uint32_t {
 /// The six joints of the head. Pan is positive to the head's right, tilt positive up.
 enum class Joint : std::uint32_t { LeftEyePan, LeftEyeTilt, RightEyePan, RightEyeTilt, NeckPan, NeckTilt };
 inline constexpr std::uint32_t kJointCount = 6;
-inline constexpr std::array<const char*, kJointCount> kJointNames = {
-    "left_eye_pan", "left_eye_tilt", "right_eye_pan", "right_eye_tilt", "neck_pan", "neck_tilt"};
+inline constexpr std::array<const char*, kJointCount> kJointNames = {"left_eye_pan",   "left_eye_tilt", "right_eye_pan",
+                                                                     "right_eye_tilt", "neck_pan",      "neck_tilt"};
 
 struct OutputRecord {
   std::uint32_t name;  // StringId

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
 
-#include "drivers/head/philox.h"
+#include "drivers/head/noise.h"
 
 namespace tectum {
 namespace {
@@ -18,64 +17,16 @@ constexpr double kSharpestBlurPx = 0.3;  // a pixel's own aperture, about 1/sqrt
 // The noise picture is larger than the frame by this much each way; a frame takes a window at a drawn offset.
 constexpr int kNoiseSlackPx = 64;
 
-// Pairs of normal deviates, Box & Muller 1958.
-void fill_noise(cv::Mat& noise, double sigma, std::uint64_t seed, std::uint32_t camera) {
-  std::uint64_t index = 0;
-  for (int y = 0; y < noise.rows; ++y) {
-    float* row = noise.ptr<float>(y);
-    for (int x = 0; x < noise.cols * noise.channels(); x += 2) {
-      const auto words = head::draw(seed, head::Stream::NoiseTile, index++, camera);
-      const double radius = sigma * std::sqrt(-2 * std::log(head::unit_interval(words[0])));
-      const double angle = 2 * std::numbers::pi * head::unit_interval(words[1]);
-      row[x] = static_cast<float>(radius * std::cos(angle));
-      if (x + 1 < noise.cols * noise.channels()) {
-        row[x + 1] = static_cast<float>(radius * std::sin(angle));
-      }
-    }
-  }
-}
-
-void paint_box(cv::Mat& picture, double px_per_m, double left_m, double bottom_m, double right_m, double top_m,
-               const cv::Scalar& bgr) {
-  const double middle_x = picture.cols / 2.0;
-  const double middle_y = picture.rows / 2.0;
-  cv::rectangle(picture, cv::Point(cvRound(middle_x + left_m * px_per_m), cvRound(middle_y - top_m * px_per_m)),
-                cv::Point(cvRound(middle_x + right_m * px_per_m), cvRound(middle_y - bottom_m * px_per_m)), bgr,
-                cv::FILLED);
-}
-
 }  // namespace
 
-std::shared_ptr<const WallTexture> make_cluttered_wall(const EyeCameraParams& params) {
-  auto wall = std::make_shared<WallTexture>();
-  wall->px_per_m = 500;
-  const cv::Size size_px(1500, 1200);  // 3.0 m x 2.4 m
-  // Cloth: two scales of smoothed noise, each channel nearly the same.
-  cv::Mat coarse(size_px / 25, CV_32FC1), fine(size_px / 3, CV_32FC1), coarse_large, fine_large;
-  fill_noise(coarse, params.wall_brightness * 0.35, params.seed, 100);
-  fill_noise(fine, params.wall_brightness * 0.30, params.seed, 101);
-  cv::resize(coarse, coarse_large, size_px, 0, 0, cv::INTER_CUBIC);
-  cv::resize(fine, fine_large, size_px, 0, 0, cv::INTER_LINEAR);
-  cv::Mat cloth, warm, cold;
-  cv::Mat(coarse_large + fine_large + params.wall_brightness * 2).convertTo(cloth, CV_8UC1);
-  cv::Mat(cloth * 1.1).convertTo(warm, CV_8UC1);
-  cv::Mat(cloth * 0.9).convertTo(cold, CV_8UC1);
-  cv::merge(std::vector<cv::Mat>{cold, cloth, warm}, wall->bgr);
-  // A window saturates every channel at one side, as in any lit room; boxes in plain colours, none of them as bright
-  // in its own channel over the others as the dot.
-  const double scale = wall->px_per_m;
-  paint_box(wall->bgr, scale, 0.42, -0.10, 0.90, 0.60, {255, 255, 255});
-  paint_box(wall->bgr, scale, -0.22, -0.14, -0.15, -0.09, {40, 150, 45});   // green
-  paint_box(wall->bgr, scale, 0.10, 0.07, 0.16, 0.13, {160, 60, 30});       // blue
-  paint_box(wall->bgr, scale, -0.12, 0.10, -0.06, 0.14, {20, 140, 160});    // yellow
-  paint_box(wall->bgr, scale, 0.20, -0.20, 0.25, -0.14, {35, 30, 130});     // dark red
-  paint_box(wall->bgr, scale, -0.60, -0.05, -0.50, 0.20, {120, 120, 120});  // grey
-  cv::GaussianBlur(wall->bgr, wall->bgr, cv::Size(0, 0), std::max(0.3, params.blur_sigma_px * 0.6));
-  return wall;
+std::shared_ptr<const ClutteredWall> make_cluttered_wall(const EyeCameraParams& params) {
+  // The lens's blur, in metres on the wall at half a metre.
+  const double px_per_m = 0.5 * params.width_px / std::tan(0.5 * params.field_of_view_deg * kRadPerDeg) / 0.5;
+  return std::make_shared<ClutteredWall>(params.wall_brightness, params.blur_sigma_px / px_per_m, params.seed);
 }
 
 EyeCamera::EyeCamera(const EyeCameraParams& params, const HeadGeometry& geometry, std::uint32_t camera,
-                     std::shared_ptr<const WallTexture> wall)
+                     std::shared_ptr<const ClutteredWall> wall)
     : params_(params),
       geometry_(geometry),
       camera_(camera),
@@ -89,7 +40,7 @@ EyeCamera::EyeCamera(const EyeCameraParams& params, const HeadGeometry& geometry
   picture_ = cv::Mat(params_.height_px, params_.width_px, CV_8UC3, grey);
   if (params_.noise_sigma > 0) {
     cv::Mat noise(params_.height_px + kNoiseSlackPx, params_.width_px + kNoiseSlackPx, CV_32FC3);
-    fill_noise(noise, params_.noise_sigma, params_.seed, camera_);
+    head::fill_noise(noise, params_.noise_sigma, params_.seed, head::Stream::NoiseTile, camera_);
     if (wall_) {
       noise.convertTo(brighter_, CV_8UC3);  // saturates: negative becomes 0
       noise.convertTo(darker_, CV_8UC3, -1);
@@ -133,24 +84,13 @@ void EyeCamera::draw_background(const EyePose& pose, std::uint64_t sequence) {
     }
     return;
   }
-  // Homography from the wall's picture to the camera's: a wall picture's pixel (a, b) lies at
-  // ((a - middle) / scale, -(b - middle) / scale, wall) in the head-base frame.
-  const double scale = wall_->px_per_m;
+  // A wall point (right, up) lies at (right, up, wall) in the head-base frame.
   Eigen::Matrix3d to_base;
-  to_base << 1 / scale, 0, -0.5 * (wall_->bgr.cols - 1) / scale, 0, -1 / scale, 0.5 * (wall_->bgr.rows - 1) / scale, 0,
-      0, geometry_.wall_distance_m;
+  to_base << 1, 0, 0, 0, 1, 0, 0, 0, geometry_.wall_distance_m;
   to_base.col(2) -= pose.position_m;
   Eigen::Matrix3d camera;
   camera << focal_px_, 0, centre_.x, 0, -focal_px_, centre_.y, 0, 0, 1;
-  const Eigen::Matrix3d to_wall = (camera * pose.axes.transpose() * to_base).inverse();
-  cv::Matx33d homography;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      homography(row, column) = to_wall(row, column);
-    }
-  }
-  cv::warpPerspective(wall_->bgr, picture_, homography, picture_.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                      cv::BORDER_CONSTANT, cv::Scalar::all(params_.wall_brightness));
+  wall_->draw((camera * pose.axes.transpose() * to_base).inverse(), picture_);
   if (params_.noise_sigma > 0) {
     cv::add(picture_, brighter_(window), picture_);
     cv::subtract(picture_, darker_(window), picture_);

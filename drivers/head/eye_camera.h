@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "drivers/head/cluttered_wall.h"
 #include "drivers/head/kinematics.h"
 
 namespace tectum {
@@ -42,18 +43,14 @@ struct PixelPoint {
   double y = 0;
 };
 
-/// The wall's own picture, drawn once and shared by both eyes.
-struct WallTexture {
-  cv::Mat bgr;
-  double px_per_m = 0;  // the picture's middle is the point straight ahead
-};
-[[nodiscard]] std::shared_ptr<const WallTexture> make_cluttered_wall(const EyeCameraParams& params);
+/// Painted once and shared by both eyes.
+[[nodiscard]] std::shared_ptr<const ClutteredWall> make_cluttered_wall(const EyeCameraParams& params);
 
 class EyeCamera {
  public:
   /// `camera` keeps the noise of the cameras of one seed apart. Allocates everything that drawing needs.
   EyeCamera(const EyeCameraParams& params, const HeadGeometry& geometry, std::uint32_t camera,
-            std::shared_ptr<const WallTexture> wall = nullptr);
+            std::shared_ptr<const ClutteredWall> wall = nullptr);
 
   /// The picture for a pose; noise depends on `sequence` alone. It stays until the next call.
   const cv::Mat& render(const EyePose& pose, const WallPoint& dot_m, std::uint64_t sequence);
@@ -71,7 +68,7 @@ class EyeCamera {
   std::uint32_t camera_;
   double focal_px_;
   PixelPoint centre_;
-  std::shared_ptr<const WallTexture> wall_;
+  std::shared_ptr<const ClutteredWall> wall_;
   cv::Mat picture_;
   cv::Rect dirty_;             // what the last dot changed on a plain wall
   cv::Mat noisy_wall_;         // plain wall with noise, larger than the picture

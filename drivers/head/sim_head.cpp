@@ -33,7 +33,7 @@ struct SimHead::Impl {
 
   class View final : public Camera {
    public:
-    View(Impl& world, Eye eye, std::shared_ptr<const WallTexture> wall)
+    View(Impl& world, Eye eye, std::shared_ptr<const ClutteredWall> wall)
         : world_(world),
           eye_(eye),
           renderer_(world.params.camera, world.params.geometry, static_cast<std::uint32_t>(eye), std::move(wall)) {}

@@ -1,0 +1,48 @@
+// Writes what both eyes see to a video file that VideoCapture, and a browser, can open again.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "runtime/ports/frame.h"
+
+namespace tectum {
+
+enum class VideoLayout {
+  SideBySide,    // one file, left eye on the left
+  OneFileAnEye,  // out.mp4 becomes out.left.mp4 and out.right.mp4
+};
+
+struct VideoWriterParams {
+  std::string path;  // .mp4, .m4v, .mov, .mkv or .avi
+  VideoLayout layout = VideoLayout::SideBySide;
+  double fps = 45;
+  int width_px = 0;  // of one eye
+  int height_px = 0;
+};
+
+/// Not real-time safe: encodes and writes to a file.
+class EyeVideoWriter {
+ public:
+  /// Null with one clear line in `error` when the file cannot be written.
+  [[nodiscard]] static std::unique_ptr<EyeVideoWriter> open(const VideoWriterParams& params, std::string& error);
+  ~EyeVideoWriter();
+
+  /// One turn of the loop. A frame without pixels, or of another size, repeats that eye's last picture (black at
+  /// first).
+  void write(const Frame& left, const Frame& right);
+  /// Finishes the files. False when nothing could be written; also done by the destructor.
+  [[nodiscard]] bool close();
+
+  /// The file or files, for the user.
+  [[nodiscard]] const std::string& left_path() const noexcept;
+  [[nodiscard]] const std::string& right_path() const noexcept;
+
+ private:
+  struct Impl;
+  explicit EyeVideoWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tectum

@@ -1,0 +1,186 @@
+// A legal circuit: names are ids, quantities are numbers in fixed units, every reference leads somewhere.
+// Only validate() makes one; later stages check nothing again except resource limits.
+// Fixed units: mV, ms, nA, MOhm, Hz, deg, px; a weight is in its target model's weight unit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compiler/expression/expression.h"
+#include "compiler/source/source_file.h"
+#include "runtime/image/spike_image.h"
+
+namespace tectum {
+
+enum class AxisId : std::uint32_t {};
+enum class PopulationId : std::uint32_t {};
+/// One side of a population: "EBN.left". A population without an axis has one.
+enum class InstanceId : std::uint32_t {};
+enum class ProjectionId : std::uint32_t {};
+enum class RetinaId : std::uint32_t {};
+
+template <typename Id>
+[[nodiscard]] constexpr std::size_t index_of(Id id) {
+  return static_cast<std::size_t>(id);
+}
+
+struct Axis {
+  std::string name;
+  std::vector<std::string> sides;
+};
+
+struct Receptor {
+  std::string name;
+  ReceptorKind kind = ReceptorKind::Exponential;
+  double tau_ms = 0;               // Exponential
+  std::uint32_t window_ticks = 0;  // Boxcar
+};
+
+struct Population {
+  std::string name;
+  Span name_span;
+  std::string nucleus;  // empty when none is given
+  ModelKind model = ModelKind::LifExp;
+  bool may_sleep = false;
+  std::uint32_t size = 0;  // of each side
+  std::vector<AxisId> axes;
+  std::vector<Receptor> receptors;
+  InstanceId first_instance{};
+  std::uint32_t instance_count = 1;
+};
+
+struct Instance {
+  std::string name;  // "EBN.left"
+  PopulationId population{};
+  std::vector<std::uint32_t> sides;  // one an axis of the population
+  /// By language name; one value for all neurons, or one a neuron.
+  std::map<std::string, std::vector<double>> parameters;
+  std::vector<std::uint32_t> spike_ticks;  // spike_list: ascending
+  std::optional<RetinaId> retina;
+};
+
+enum class RuleKind : std::uint8_t { OneToOne, AllToAll, FixedProbability, FixedInDegree, FixedOutDegree };
+enum class Relation : std::uint8_t { Ipsi, Contra, Both };
+
+/// A population, or one side of it; fixed_sides has one entry an axis of the population.
+struct Endpoint {
+  PopulationId population{};
+  std::vector<std::optional<std::uint32_t>> fixed_sides;
+  std::uint32_t receptor = 0;  // of a target
+};
+
+struct AxisRelation {
+  AxisId axis{};
+  Relation relation = Relation::Ipsi;
+};
+
+struct Projection {
+  std::string name;
+  Span name_span;
+  std::vector<Endpoint> from;
+  std::vector<Endpoint> to;
+  RuleKind rule = RuleKind::AllToAll;
+  bool allows_autapses = false;
+  std::uint32_t degree = 0;                    // FixedInDegree, FixedOutDegree
+  std::optional<TypedExpression> probability;  // FixedProbability
+  std::vector<AxisRelation> relations;         // of axes where it is not ipsi
+  std::vector<std::string> only_sides;         // of the target, else of the source; empty = all
+  bool is_inhibitory = false;
+  TypedExpression weight;
+  TypedExpression delay;  // ms
+  std::optional<TypedExpression> where;
+  Span weight_span;
+  Span delay_span;
+  std::string cite;  // reference keys, comma separated
+};
+
+/// Variables of projection expressions, as evaluator slots. Three more follow for each axis a:
+/// kFirstAxisVariable + 3 a + {0: side of pre, 1: side of post, 2: hemifield of pre}.
+enum PairVariable : std::uint32_t {
+  kPreIndex,
+  kPostIndex,
+  kPreSize,
+  kPostSize,
+  kPrePosition,  // (index + 1/2) / size
+  kPostPosition,
+  kPreX,  // deg from the optical axis, right positive
+  kPreY,  // up positive
+  kPreEccentricity,
+  kPostX,
+  kPostY,
+  kPostEccentricity,
+  kFirstAxisVariable
+};
+
+/// Field centres as angles from the optical axis, for retina populations.
+struct Retina {
+  std::string name;
+  Eye eye = Eye::Left;
+  std::uint32_t frame_width = 0;
+  std::uint32_t frame_height = 0;
+  double field_of_view_deg = 0;
+  LitChannel lit_channel = LitChannel::Luma;
+  std::uint32_t lit_above = 0;
+  double lit_share = 0;
+  std::vector<FieldRecord> fields;
+};
+
+struct OutputTerm {
+  InstanceId instance{};
+  double gain = 0;  // deg/Hz or deg/s/Hz
+};
+
+struct Output {
+  std::string name;
+  OutputKind kind = OutputKind::Position;
+  std::vector<OutputTerm> terms;
+  std::uint32_t joint_mask = 0;
+  std::uint32_t window_ticks = 0;
+  double offset_deg = 0;
+};
+
+struct JointLimits {
+  Joint joint = Joint::LeftEyePan;
+  double min_deg = 0;
+  double max_deg = 0;
+  double max_speed_deg_s = 0;  // 0 = none
+};
+
+/// Removes all, or a random fraction, of what it names.
+struct Lesion {
+  std::string key;  // of the random draws
+  double fraction = 1;
+  std::vector<InstanceId> instances;  // their neurons fall silent
+  std::vector<ProjectionId> projections;
+  std::vector<std::pair<InstanceId, InstanceId>> pathways;
+};
+
+struct Circuit {
+  std::string name;
+  std::uint64_t tick_ns = 0;
+  std::uint64_t seed = 0;
+  std::vector<Axis> axes;
+  std::vector<Population> populations;
+  std::vector<Instance> instances;
+  std::vector<Projection> projections;
+  std::vector<Retina> retinas;
+  std::vector<Output> outputs;
+  std::vector<JointLimits> joints;
+  std::vector<Lesion> lesions;
+  /// Number of each side's word in expressions; 0 is the hemifield of a cell on the midline.
+  std::map<std::string, int> words;
+
+  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) * 1e-6; }
+  [[nodiscard]] const Population& population_of(InstanceId id) const {
+    return populations[index_of(instances[index_of(id)].population)];
+  }
+};
+
+/// The populations, projections and parameters as validate understood them, for `dump`.
+[[nodiscard]] std::string dump_circuit(const Circuit& circuit);
+
+}  // namespace tectum

@@ -1,0 +1,457 @@
+// Projections: endpoints, rule, side relation, receptor, and the expressions over pairs of neurons.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "compiler/validate/slot_use.h"
+#include "compiler/validate/validation.h"
+
+namespace tectum {
+namespace {
+
+struct RuleSpelling {
+  const char* text;
+  RuleKind kind;
+  std::array<const char*, 2> arguments;  // keys it takes; the first is required unless it is "autapses"
+};
+constexpr std::array kRules = {
+    RuleSpelling{"one_to_one", RuleKind::OneToOne, {nullptr, nullptr}},
+    RuleSpelling{"all_to_all", RuleKind::AllToAll, {"autapses", nullptr}},
+    RuleSpelling{"fixed_probability", RuleKind::FixedProbability, {"p", "autapses"}},
+    RuleSpelling{"fixed_in_degree", RuleKind::FixedInDegree, {"n", "autapses"}},
+    RuleSpelling{"fixed_out_degree", RuleKind::FixedOutDegree, {"n", "autapses"}},
+};
+
+class ProjectionValidator {
+ public:
+  ProjectionValidator(Validation& v, const ProjectionDecl& decl, Projection& made) : v_(v), decl_(decl), made_(made) {}
+
+  void run() {
+    made_.name = decl_.name.text;
+    made_.name_span = decl_.name.span;
+    cites();
+    made_.from = endpoints(decl_.from);
+    made_.to = endpoints(decl_.to);
+    sign();
+    const bool knows_ends = is_sound_;
+    if (knows_ends) {
+      sides();
+    }
+    rule();
+    if (!knows_ends) {
+      return;  // without its ends, nothing more can be said of it that is not a consequence
+    }
+    make_environment();
+    receptors();
+    weight();
+    delay();
+    where();
+    if (made_.rule == RuleKind::OneToOne) {
+      check_sizes();
+    }
+  }
+
+ private:
+  void cites() {
+    v_.check_cites(decl_.provenance);
+    for (const NameDecl& cite : decl_.provenance.cites) {
+      made_.cite += (made_.cite.empty() ? "" : ",") + cite.text;
+    }
+  }
+
+  std::vector<Endpoint> endpoints(const std::vector<NameDecl>& names) {
+    std::vector<Endpoint> result;
+    for (const NameDecl& name : names) {
+      if (auto endpoint = v_.endpoint(name)) {
+        is_sound_ = is_sound_ && v_.is_sound[index_of(endpoint->population)];
+        result.push_back(std::move(*endpoint));
+      } else {
+        is_sound_ = false;
+      }
+    }
+    return result;
+  }
+
+  const Population& population(const Endpoint& endpoint) const {
+    return v_.circuit.populations[index_of(endpoint.population)];
+  }
+
+  void sign() {
+    if (!decl_.sign) {
+      return;
+    }
+    if (decl_.sign->text == "inhibitory") {
+      made_.is_inhibitory = true;
+    } else if (decl_.sign->text != "excitatory") {
+      v_.diagnostics()
+          .add(Code::UnknownWord, decl_.sign->span, {"sign", decl_.sign->text})
+          .help("a sign is `excitatory` or `inhibitory`");
+    }
+  }
+
+  /// Axes that some source and some target share.
+  std::vector<AxisId> shared_axes() const {
+    std::vector<AxisId> shared;
+    for (const Endpoint& from : made_.from) {
+      for (const Endpoint& to : made_.to) {
+        for (const AxisId axis : population(from).axes) {
+          const auto& other = population(to).axes;
+          if (std::find(other.begin(), other.end(), axis) != other.end() &&
+              std::find(shared.begin(), shared.end(), axis) == shared.end()) {
+            shared.push_back(axis);
+          }
+        }
+      }
+    }
+    return shared;
+  }
+
+  void sides() {
+    const std::vector<AxisId> shared = shared_axes();
+    for (const SideDecl& side : decl_.side) {
+      const auto relation = find_relation(side.relation);
+      if (!relation) {
+        continue;
+      }
+      std::vector<AxisId> axes = shared;
+      if (!side.axis.text.empty()) {
+        const auto axis = v_.axis_of.find(side.axis.text);
+        if (axis == v_.axis_of.end()) {
+          v_.diagnostics()
+              .add(Code::UnknownAxis, side.axis.span, {side.axis.text})
+              .help_if(nearest_name(side.axis.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+          continue;
+        }
+        const auto id = static_cast<AxisId>(axis->second);
+        axes.clear();
+        if (std::find(shared.begin(), shared.end(), id) != shared.end()) {
+          axes.push_back(id);
+        }
+      }
+      if (axes.empty()) {
+        v_.diagnostics().add(Code::NoSharedAxis, side.relation.span, {decl_.from.front().text, decl_.to.front().text});
+      }
+      for (const AxisId axis : axes) {
+        made_.relations.push_back({axis, *relation});
+      }
+    }
+    only_sides();
+  }
+
+  std::optional<Relation> find_relation(const NameDecl& name) {
+    if (name.text == "ipsi") {
+      return Relation::Ipsi;
+    }
+    if (name.text == "contra") {
+      return Relation::Contra;
+    }
+    if (name.text == "both") {
+      return Relation::Both;
+    }
+    v_.diagnostics()
+        .add(Code::UnknownWord, name.span, {"side relation", name.text})
+        .help("a side is `ipsi`, `contra` or `both`");
+    return std::nullopt;
+  }
+
+  void only_sides() {
+    std::vector<std::string> known;
+    for (const std::vector<Endpoint>* ends : {&made_.to, &made_.from}) {
+      for (const Endpoint& end : *ends) {
+        for (const AxisId axis : population(end).axes) {
+          const auto& sides = v_.circuit.axes[index_of(axis)].sides;
+          known.insert(known.end(), sides.begin(), sides.end());
+        }
+      }
+    }
+    for (const NameDecl& side : decl_.only_sides) {
+      if (std::find(known.begin(), known.end(), side.text) == known.end()) {
+        v_.diagnostics()
+            .add(Code::UnknownSide, side.span, {decl_.to.front().text, side.text})
+            .help_if(nearest_name(side.text, known), "did you mean `{}`?");
+      }
+      made_.only_sides.push_back(side.text);
+    }
+  }
+
+  void rule() {
+    if (decl_.rule.kind.text.empty()) {
+      return;  // its absence has been reported
+    }
+    const auto spelling = std::find_if(kRules.begin(), kRules.end(),
+                                       [&](const RuleSpelling& r) { return decl_.rule.kind.text == r.text; });
+    if (spelling == kRules.end()) {
+      std::vector<std::string> names;
+      for (const RuleSpelling& known : kRules) {
+        names.emplace_back(known.text);
+      }
+      auto builder = v_.diagnostics().add(Code::UnknownWord, decl_.rule.kind.span, {"rule", decl_.rule.kind.text});
+      const auto nearest = nearest_name(decl_.rule.kind.text, names);
+      if (nearest) {
+        builder.help_if(nearest, "did you mean `{}`?");
+      } else {
+        builder.help(fmt::format("the rules are {}", fmt::join(names, ", ")));
+      }
+      return;
+    }
+    made_.rule = spelling->kind;
+    bool has_first = spelling->arguments[0] == nullptr || std::string_view(spelling->arguments[0]) == "autapses";
+    for (const KeyedValue& argument : decl_.rule.arguments) {
+      const bool is_known = std::any_of(spelling->arguments.begin(), spelling->arguments.end(),
+                                        [&](const char* key) { return key != nullptr && argument.key.text == key; });
+      if (!is_known || argument.values.size() != 1) {
+        v_.diagnostics().add(Code::UnknownKey, argument.key.span,
+                             {argument.key.text, fmt::format("rule `{}`", spelling->text)});
+        continue;
+      }
+      has_first = has_first || argument.key.text == spelling->arguments[0];
+      rule_argument(argument);
+    }
+    if (!has_first) {
+      v_.diagnostics()
+          .add(Code::MissingKey, decl_.rule.kind.span,
+               {fmt::format("rule `{}`", spelling->text), spelling->arguments[0]})
+          .help(fmt::format("\"rule\": {{ \"kind\": \"{}\", \"{}\": {} }}", spelling->text, spelling->arguments[0],
+                            made_.rule == RuleKind::FixedProbability ? "0.1" : "10"));
+    }
+  }
+
+  void rule_argument(const KeyedValue& argument) {
+    const ValueDecl& value = argument.values.front();
+    if (argument.key.text == "autapses") {
+      made_.allows_autapses = value.text == "true" || value.text == "yes" || value.text == "1";
+    } else if (argument.key.text == "n") {
+      made_.degree = static_cast<std::uint32_t>(v_.scope.whole(value, "n", 1, 0xFFFFFFFFU).value_or(1));
+      degree_span_ = value.span;
+    } else if (is_sound_) {
+      make_environment();
+      made_.probability = v_.scope.expression(value, names_, "p", kNumber);
+      if (made_.probability && made_.probability->constant) {
+        const double p = *made_.probability->constant;
+        if (!(p >= 0 && p <= 1)) {
+          v_.diagnostics().add(Code::OutOfRange, value.span, {"p", shown(p, kNumber), "0 to 1"});
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] bool has_fields(const std::vector<Endpoint>& ends) const {
+    return std::all_of(ends.begin(), ends.end(),
+                       [&](const Endpoint& e) { return population(e).model == ModelKind::FieldSource; });
+  }
+
+  /// True for the axes whose sides a visual field has: left and right, up and down.
+  static bool is_spatial(const Axis& axis) {
+    return std::all_of(axis.sides.begin(), axis.sides.end(), [](const std::string& side) {
+      return side == "left" || side == "right" || side == "up" || side == "down";
+    });
+  }
+
+  void make_environment() {
+    if (names_.outer != nullptr) {
+      return;
+    }
+    names_.outer = &v_.scope.environment;
+    names_.add_variable("pre.index", kNumber, kPreIndex);
+    names_.add_variable("post.index", kNumber, kPostIndex);
+    names_.add_variable("pre.size", kNumber, kPreSize);
+    names_.add_variable("post.size", kNumber, kPostSize);
+    names_.add_variable("pre.pos", kNumber, kPrePosition);
+    names_.add_variable("post.pos", kNumber, kPostPosition);
+    const bool pre_has_fields = has_fields(made_.from);
+    if (pre_has_fields) {
+      names_.add_variable("pre.x", kAngle, kPreX);
+      names_.add_variable("pre.y", kAngle, kPreY);
+      names_.add_variable("pre.ecc", kAngle, kPreEccentricity);
+      names_.add_variable("x", kAngle, kPreX);
+      names_.add_variable("y", kAngle, kPreY);
+      names_.add_variable("ecc", kAngle, kPreEccentricity);
+    }
+    side_names(pre_has_fields);
+  }
+
+  void side_names(bool pre_has_fields) {
+    std::vector<AxisId> post_axes = population(made_.to.front()).axes;
+    std::vector<AxisId> pre_axes = population(made_.from.front()).axes;
+    std::vector<AxisId> spatial;
+    for (std::uint32_t a = 0; a < v_.circuit.axes.size(); ++a) {
+      const auto id = static_cast<AxisId>(a);
+      const Axis& axis = v_.circuit.axes[a];
+      const std::uint32_t slot = kFirstAxisVariable + 3 * a;
+      const bool pre_has = std::find(pre_axes.begin(), pre_axes.end(), id) != pre_axes.end();
+      const bool post_has = std::find(post_axes.begin(), post_axes.end(), id) != post_axes.end();
+      if (pre_has) {
+        names_.add_variable("pre.side." + axis.name, kWord, slot);
+      }
+      if (post_has) {
+        names_.add_variable("post.side." + axis.name, kWord, slot + 1);
+      }
+      if (pre_has || post_has) {
+        names_.add_variable("side." + axis.name, kWord, slot + (post_has ? 1 : 0));
+      }
+      if (pre_has_fields && is_spatial(axis)) {
+        names_.add_variable("hemifield." + axis.name, kWord, slot + 2);
+        if (post_has) {
+          spatial.push_back(id);
+        }
+      }
+    }
+    // The short names, where only one axis can be meant.
+    if (spatial.size() == 1) {
+      const std::uint32_t slot = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(spatial.front());
+      names_.add_variable("hemifield", kWord, slot + 2);
+      names_.add_variable("side", kWord, slot + 1);
+    } else if (post_axes.size() == 1) {
+      names_.add_variable("side", kWord, kFirstAxisVariable + 3 * static_cast<std::uint32_t>(post_axes.front()) + 1);
+    } else if (post_axes.empty() && pre_axes.size() == 1) {
+      names_.add_variable("side", kWord, kFirstAxisVariable + 3 * static_cast<std::uint32_t>(pre_axes.front()));
+    }
+  }
+
+  void receptors() {
+    for (std::size_t i = 0; i < made_.to.size(); ++i) {
+      Endpoint& to = made_.to[i];
+      const Population& target = population(to);
+      const NameDecl& name = decl_.to[i];
+      if (target.receptors.empty()) {
+        v_.diagnostics().add(Code::NoReceptor, name.span, {target.name, std::string(find_model(target.model)->name)});
+        is_sound_ = false;
+        continue;
+      }
+      const std::string wanted = decl_.receptor ? decl_.receptor->text : made_.is_inhibitory ? "in" : "ex";
+      const auto found = std::find_if(target.receptors.begin(), target.receptors.end(),
+                                      [&](const Receptor& r) { return r.name == wanted; });
+      if (found != target.receptors.end()) {
+        to.receptor = static_cast<std::uint32_t>(found - target.receptors.begin());
+      } else if (!decl_.receptor && target.receptors.size() == 1) {
+        to.receptor = 0;
+      } else {
+        report_receptor(target, name, wanted);
+        is_sound_ = false;
+      }
+    }
+  }
+
+  void report_receptor(const Population& target, const NameDecl& name, const std::string& wanted) {
+    std::vector<std::string> names;
+    for (const Receptor& receptor : target.receptors) {
+      names.push_back(receptor.name);
+    }
+    if (decl_.receptor) {
+      v_.diagnostics()
+          .add(Code::UnknownReceptor, decl_.receptor->span, {target.name, wanted})
+          .help(fmt::format("it has {}", fmt::join(names, ", ")));
+    } else {
+      v_.diagnostics()
+          .add(Code::AmbiguousReceptor, name.span,
+               {target.name, fmt::format("{}", fmt::join(names, ", ")),
+                made_.is_inhibitory ? "inhibitory" : "excitatory"})
+          .help("say which with `receptor`");
+    }
+  }
+
+  static std::optional<Unit> weight_unit(const Population& target) {
+    return parse_unit(find_model(target.model)->weight_unit);
+  }
+
+  void weight() {
+    if (!decl_.weight || !is_sound_) {
+      return;
+    }
+    made_.weight_span = decl_.weight->span;
+    const Unit unit = weight_unit(population(made_.to.front())).value_or(Unit{});
+    for (std::size_t i = 1; i < made_.to.size(); ++i) {
+      if (weight_unit(population(made_.to[i]))->dimension != unit.dimension) {
+        v_.diagnostics()
+            .add(Code::MixedUnits, decl_.to[i].span, {decl_.to.front().text, decl_.to[i].text})
+            .help("write one projection for each");
+        return;
+      }
+    }
+    if (auto typed = v_.scope.expression(*decl_.weight, names_, "weight", unit.dimension)) {
+      if (typed->constant && *typed->constant < 0) {
+        v_.diagnostics()
+            .add(Code::NegativeWeight, decl_.weight->span, {shown(*typed->constant, unit.dimension)})
+            .help("write `\"sign\": \"inhibitory\"` and the weight without its minus");
+      }
+      made_.weight = std::move(*typed);
+    }
+  }
+
+  void delay() {
+    if (!decl_.delay) {
+      return;
+    }
+    made_.delay_span = decl_.delay->span;
+    auto typed = v_.scope.expression(*decl_.delay, names_, "delay", kTime);
+    if (!typed) {
+      return;
+    }
+    if (typed->constant) {
+      const double delay_ms = *typed->constant;
+      const auto ticks = whole_ticks(delay_ms, v_.circuit.tick_ns);
+      if (delay_ms < 0) {
+        v_.diagnostics().add(Code::OutOfRange, decl_.delay->span, {"delay", shown(delay_ms, kTime), "0 ms and more"});
+      } else if (!ticks) {
+        const double tick_ms = v_.circuit.tick_ms();
+        const double below = std::floor(delay_ms / tick_ms) * tick_ms;
+        v_.diagnostics()
+            .add(Code::DelayNotTicks, decl_.delay->span, {shown(delay_ms, kTime), shown(tick_ms, kTime)})
+            .help(fmt::format("the nearest are {:g} ms and {:g} ms", below, below + tick_ms));
+      } else if (*ticks > kMaxDelayTicks) {
+        v_.diagnostics().add(Code::DelayTooLong, decl_.delay->span,
+                             {shown(delay_ms, kTime), fmt::format("{}", kMaxDelayTicks)});
+      }
+    }
+    made_.delay = std::move(*typed);
+  }
+
+  void where() {
+    if (!decl_.where) {
+      return;
+    }
+    auto typed = v_.scope.expression(*decl_.where, names_);
+    if (typed && typed->dimension != kBoolean) {
+      v_.diagnostics()
+          .add(Code::NotATruthValue, decl_.where->span, {describe(typed->dimension)})
+          .help("compare: \"ecc > 20 deg\", \"hemifield == side\"");
+    } else if (typed) {
+      made_.where = std::move(typed);
+    }
+  }
+
+  void check_sizes() {
+    for (const Endpoint& from : made_.from) {
+      for (std::size_t i = 0; i < made_.to.size(); ++i) {
+        const Population& pre = population(from);
+        const Population& post = population(made_.to[i]);
+        if (pre.size != post.size) {
+          v_.diagnostics()
+              .add(Code::SizesDiffer, decl_.to[i].span,
+                   {pre.name, fmt::format("{}", pre.size), post.name, fmt::format("{}", post.size)})
+              .help("all_to_all joins populations of any size");
+          return;
+        }
+      }
+    }
+  }
+
+  Validation& v_;
+  const ProjectionDecl& decl_;
+  Projection& made_;
+  Environment names_;
+  Span degree_span_;
+  bool is_sound_ = true;
+};
+
+}  // namespace
+
+void validate_projections(Validation& v) {
+  for (const ProjectionDecl& decl : v.decl.projections) {
+    ProjectionValidator(v, decl, v.circuit.projections.emplace_back()).run();
+  }
+}
+
+}  // namespace tectum

@@ -1,0 +1,63 @@
+// The state that the parts of validate() share. Included by validate*.cpp alone.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/validate/circuit.h"
+#include "compiler/validate/scope.h"
+#include "compiler/validate/validate.h"
+#include "runtime/image/models.h"
+
+namespace tectum {
+
+/// A neuron type with everything it inherits.
+struct ResolvedNeuron {
+  NameDecl name;
+  const ModelInfo* model = nullptr;  // null when it could not be found; that has been reported
+  NameDecl model_name;
+  std::vector<KeyedValue> parameters;  // nearest declaration of each key
+  std::vector<ReceptorDecl> receptors;
+};
+
+struct Validation {
+  const CircuitDecl& decl;
+  const Overrides& overrides;
+  Scope scope;
+  Circuit circuit;
+
+  std::map<std::string, std::uint32_t, std::less<>> axis_of;
+  std::map<std::string, std::uint32_t, std::less<>> population_of;  // declared, right or wrong
+  std::vector<bool> is_sound;                                       // population by population
+  std::map<std::string, std::uint32_t, std::less<>> retina_of;
+  std::vector<bool> is_sound_retina;
+
+  [[nodiscard]] Diagnostics& diagnostics() { return scope.diagnostics(); }
+  void check_cites(const ProvenanceDecl& provenance);
+  /// "EBN" or "EBN.left". Reports what it does not find.
+  std::optional<Endpoint> endpoint(const NameDecl& name);
+};
+
+void validate_parameters(Validation& v);
+void validate_axes(Validation& v);
+void validate_retinas(Validation& v);
+void validate_populations(Validation& v);
+void validate_projections(Validation& v);
+void validate_outputs(Validation& v);
+void validate_lesions(Validation& v);
+
+/// The names of a list of declarations, for suggestions.
+template <typename Decl>
+[[nodiscard]] std::vector<std::string> names_of(const std::vector<Decl>& decls) {
+  std::vector<std::string> names;
+  for (const Decl& decl : decls) {
+    names.push_back(decl.name.text);
+  }
+  return names;
+}
+
+}  // namespace tectum

@@ -34,32 +34,32 @@ struct RecordedSpike {
 /// Gaze error of one eye: direction of the target minus the optical axis, in the eye's own frame, degrees.
 /// Known only where a simulated head tells (has_truth).
 struct EyeTruth {
-  double target_pan_deg = 0;   // target's direction seen from the eye, in the fixed head-base frame
+  double target_pan_deg = 0;  // target's direction seen from the eye, in the fixed head-base frame
   double target_tilt_deg = 0;
-  double error_pan_deg = 0;    // positive: the target is to the right of the optical axis
-  double error_tilt_deg = 0;   // positive: above
-  double gaze_pan_deg = 0;     // optical axis in the fixed head-base frame (eye + neck)
+  double error_pan_deg = 0;   // positive: the target is to the right of the optical axis
+  double error_tilt_deg = 0;  // positive: above
+  double gaze_pan_deg = 0;    // optical axis in the fixed head-base frame (eye + neck)
   double gaze_tilt_deg = 0;
   std::array<double, 2> gaze_on_wall_m{};  // where the optical axis meets the wall: right, up
 };
 
 /// One turn of the loop: what each eye saw, what the servos were told, where they were.
 struct RecordedFrame {
-  std::uint64_t tick = 0;        // first tick run with this frame
-  TimeNs time_ns = 0;            // when the loop took the frame
+  std::uint64_t tick = 0;  // first tick run with this frame
+  TimeNs time_ns = 0;      // when the loop took the frame
   std::array<TimeNs, kEyeCount> captured_ns{};
   std::array<std::vector<std::uint32_t>, kEyeCount> active_fields;  // of the retina of that eye
-  std::array<double, kJointCount> decoded_deg{};   // before the guard
-  std::array<double, kJointCount> goal_deg{};      // what the servos were told
-  std::array<double, kJointCount> position_deg{};  // what they measured at time_ns
+  std::array<double, kJointCount> decoded_deg{};                    // before the guard
+  std::array<double, kJointCount> goal_deg{};                       // what the servos were told
+  std::array<double, kJointCount> position_deg{};                   // what they measured at time_ns
   bool has_truth = false;
-  std::array<double, 2> target_on_wall_m{};        // right, up; from the point straight ahead
+  std::array<double, 2> target_on_wall_m{};  // right, up; from the point straight ahead
   std::array<EyeTruth, kEyeCount> eye{};
 };
 
 struct Recording {
   std::string circuit_name;
-  std::string scenario;     // "step", "video", ...
+  std::string scenario;  // "step", "video", ...
   std::uint64_t seed = 0;
   std::uint64_t image_checksum = 0;
   std::uint64_t tick_ns = 0;

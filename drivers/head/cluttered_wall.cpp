@@ -91,13 +91,12 @@ void ClutteredWall::draw(const Eigen::Matrix3d& picture_to_wall_m, cv::Mat& pict
   struct Place {
     std::int32_t u, v;
   };
-  const auto place = [&map](int x, int y) {
-    const Eigen::Vector3d p = map * Eigen::Vector3d(x, y, 1);
-    const double w = std::max(p.z(), 1e-9);  // the wall's horizon and beyond fall far outside
-    constexpr double kFar = 30000;           // pixels; more would not fit
+  const auto place = [](const Eigen::Vector3d& p) {
     constexpr double kOne = 1 << kFractionBits;
-    return Place{static_cast<std::int32_t>(std::clamp(p.x() / w, -kFar, kFar) * kOne),
-                 static_cast<std::int32_t>(std::clamp(p.y() / w, -kFar, kFar) * kOne)};
+    constexpr double kFar = 30000 * kOne;                  // more would not fit
+    const double to_place = kOne / std::max(p.z(), 1e-9);  // the wall's horizon and beyond fall far outside
+    return Place{static_cast<std::int32_t>(std::clamp(p.x() * to_place, -kFar, kFar)),
+                 static_cast<std::int32_t>(std::clamp(p.y() * to_place, -kFar, kFar))};
   };
   const auto inside = [this](Place p) {
     return p.u >= 0 && p.v >= 0 && (p.u >> kFractionBits) < width_px_ && (p.v >> kFractionBits) < height_px_;
@@ -108,10 +107,12 @@ void ClutteredWall::draw(const Eigen::Matrix3d& picture_to_wall_m, cv::Mat& pict
   for (int y = 0; y < picture.rows; ++y) {
     std::uint8_t* out = picture.ptr(y);
     std::array<std::uint32_t, kRun> run;
-    Place next = place(0, y);
+    Eigen::Vector3d end = map * Eigen::Vector3d(0, y, 1);
+    Place next = place(end);
     for (int x0 = 0; x0 < picture.cols; x0 += kRun) {
       Place here = next;
-      next = place(x0 + kRun, y);
+      end += kRun * map.col(0);
+      next = place(end);
       const std::int32_t du = next.u / kRun - here.u / kRun;
       const std::int32_t dv = next.v / kRun - here.v / kRun;
       if (inside(here) && inside(next)) {  // then all between are

@@ -44,7 +44,11 @@ std::string read_header(std::span<const std::byte> file, FileHeader& header) {
   return {};
 }
 
-// Maps each section. All sections are there, in order, aligned, inside the file and apart.
+std::uint64_t align_up(std::uint64_t bytes) {
+  return (bytes + kSectionAlignBytes - 1) / kSectionAlignBytes * kSectionAlignBytes;
+}
+
+// Maps each section. All sections are there, in order, each at the first aligned byte after the last.
 std::string map_sections(std::span<const std::byte> file, SpikeImage& image) {
   const std::byte* entry_at = file.data() + sizeof(FileHeader);
   std::uint64_t end = sizeof(FileHeader) + kSectionKindCount * sizeof(SectionEntry);
@@ -60,8 +64,7 @@ std::string map_sections(std::span<const std::byte> file, SpikeImage& image) {
     if (entry.kind != kind || entry.element_bytes != sizeof(T)) {
       error = where + " has kind " + std::to_string(static_cast<std::uint32_t>(entry.kind)) + " and elements of " +
               std::to_string(entry.element_bytes) + " bytes";
-    } else if (entry.offset_bytes % kSectionAlignBytes != 0 || entry.offset_bytes < end ||
-               entry.offset_bytes > file.size()) {
+    } else if (entry.offset_bytes != align_up(end) || entry.offset_bytes > file.size()) {
       error = where + " starts at byte " + std::to_string(entry.offset_bytes);
     } else if (entry.count > (file.size() - entry.offset_bytes) / sizeof(T)) {
       error = where + " reaches past the end of the file";

@@ -22,6 +22,17 @@ void silence_decoders() {
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // AV_LOG_QUIET, unless the user asks for more
 }
 
+// Those of OpenCV's readers that read files. CAP_ANY would also look for cameras on every bus, and some of those
+// drivers leak.
+bool open_file(cv::VideoCapture& capture, const std::string& path) {
+  for (const int reader : {cv::CAP_FFMPEG, cv::CAP_IMAGES, cv::CAP_OPENCV_MJPEG}) {
+    if (capture.open(path, reader)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // Why a path cannot be a recording; empty when it may be one.
 std::string path_error(const std::string& path) {
   std::error_code failure;
@@ -147,7 +158,7 @@ std::unique_ptr<VideoSource> VideoSource::open(const std::string& path, std::str
   silence_decoders();
   auto impl = std::make_unique<Impl>();
   try {
-    if (!impl->capture_.open(path, cv::CAP_FFMPEG) && !impl->capture_.open(path, cv::CAP_ANY)) {
+    if (!open_file(impl->capture_, path)) {
       error = path.find('%') != std::string::npos ? "no images match `" + path + "`"
                                                   : "`" + path + "` is not a video or image that OpenCV can read";
       return nullptr;

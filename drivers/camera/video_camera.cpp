@@ -23,7 +23,7 @@ void silence_decoders() {
 }
 
 // Those of OpenCV's readers that read files. CAP_ANY would also look for cameras on every bus, and some of those
-// drivers leak.
+// drivers leak; GStreamer prints a page about a file that it cannot read, and FFmpeg reads what it can.
 bool open_file(cv::VideoCapture& capture, const std::string& path) {
   for (const int reader : {cv::CAP_FFMPEG, cv::CAP_IMAGES, cv::CAP_OPENCV_MJPEG}) {
     if (capture.open(path, reader)) {

@@ -188,6 +188,8 @@ std::vector<KeyedValue> ObjectReader::rest() {
           keyed.values.push_back(std::move(*decl));
         }
       }
+    } else if (node.kind == JsonKind::Boolean) {
+      keyed.values.push_back({false, 0, node.boolean ? "true" : "false", node.span, true});
     } else if (auto decl = value_of(id, node.key)) {
       keyed.values.push_back(std::move(*decl));
     } else {

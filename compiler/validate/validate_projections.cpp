@@ -221,7 +221,7 @@ class ProjectionValidator {
   void rule_argument(const KeyedValue& argument) {
     const ValueDecl& value = argument.values.front();
     if (argument.key.text == "autapses") {
-      made_.allows_autapses = value.text == "true" || value.text == "yes" || value.text == "1";
+      made_.allows_autapses = v_.scope.constant(value, "autapses", kBoolean).value_or(0) != 0;
     } else if (argument.key.text == "n") {
       made_.degree = static_cast<std::uint32_t>(v_.scope.whole(value, "n", 1, 0xFFFFFFFFU).value_or(1));
       degree_span_ = value.span;

@@ -1,0 +1,67 @@
+#include "compiler/compile.h"
+
+#include <chrono>
+#include <utility>
+
+#include "compiler/compile_overrides.h"
+#include "compiler/elaborate/elaborate.h"
+#include "compiler/lower/lower.h"
+#include "compiler/parse/parse_circuit.h"
+#include "compiler/parse/parse_json.h"
+#include "compiler/validate/validate.h"
+
+namespace tectum {
+namespace {
+
+/// Runs one stage and notes its time.
+template <typename Run>
+auto timed(Stage stage, CompileResult& result, const Run& run) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto made = run();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.times.push_back({std::string(stage_name(stage)), seconds});
+  return made;
+}
+
+void run_stages(FileId file, const CompileOptions& options, Diagnostics& diagnostics, CompileResult& result) {
+  const auto is_last = [&](Stage stage) { return options.last_stage == stage; };
+
+  result.tree = timed(Stage::ParseJson, result, [&] { return parse_json(result.sources, file, diagnostics); });
+  if (!result.tree || is_last(Stage::ParseJson)) {
+    return;
+  }
+  result.decl = timed(Stage::ParseCircuit, result, [&] { return parse_circuit(*result.tree, diagnostics); });
+  if (!result.decl || is_last(Stage::ParseCircuit)) {
+    return;
+  }
+  const Overrides overrides = make_overrides(options, result.sources, diagnostics);
+  result.circuit = timed(Stage::Validate, result, [&] { return validate(*result.decl, overrides, diagnostics); });
+  if (!result.circuit || is_last(Stage::Validate)) {
+    return;
+  }
+  result.network = timed(Stage::Elaborate, result, [&] { return elaborate(*result.circuit, diagnostics); });
+  if (!result.network || is_last(Stage::Elaborate)) {
+    return;
+  }
+  result.passes =
+      timed(Stage::Optimise, result, [&] { return optimise(*result.network, options.level, options.last_pass); });
+  if (is_last(Stage::Optimise)) {
+    return;
+  }
+  result.image = timed(Stage::Lower, result, [&] { return lower(*result.network); });
+}
+
+}  // namespace
+
+CompileResult compile_circuit(SourceFile file, const CompileOptions& options, Diagnostics& diagnostics) {
+  CompileResult result;
+  const FileId id = result.sources.add(std::move(file));
+  run_stages(id, options, diagnostics, result);
+  diagnostics.sort();
+  if (diagnostics.has_errors()) {
+    result.image.reset();
+  }
+  return result;
+}
+
+}  // namespace tectum

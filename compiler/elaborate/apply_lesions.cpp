@@ -1,0 +1,84 @@
+#include "compiler/elaborate/apply_lesions.h"
+
+#include <algorithm>
+#include <string>
+
+#include "compiler/elaborate/random_stream.h"
+
+namespace tectum {
+namespace {
+
+void silence_instances(const Circuit& circuit, const Lesion& lesion, std::vector<bool>& is_silent, Network& network) {
+  for (const InstanceId id : lesion.instances) {
+    NetworkPopulation& population = network.populations[index_of(id)];
+    const RandomStream random(circuit.seed, "lesion\n" + lesion.key + "\n" + population.name);
+    for (std::uint32_t i = 0; i < population.size; ++i) {
+      if (random.uniform(i) < lesion.fraction) {
+        is_silent[population.first_neuron + i] = true;
+      }
+    }
+  }
+}
+
+/// True for the pathways that the lesion names.
+std::vector<bool> lesioned_pathways(const Lesion& lesion, const Network& network) {
+  std::vector<bool> is_cut(network.pathways.size(), false);
+  for (std::size_t p = 0; p < network.pathways.size(); ++p) {
+    const Pathway& pathway = network.pathways[p];
+    const bool is_named =
+        std::find(lesion.projections.begin(), lesion.projections.end(), pathway.projection) != lesion.projections.end();
+    const std::pair ends(static_cast<InstanceId>(pathway.pre_population),
+                         static_cast<InstanceId>(pathway.post_population));
+    is_cut[p] = is_named || std::find(lesion.pathways.begin(), lesion.pathways.end(), ends) != lesion.pathways.end();
+  }
+  return is_cut;
+}
+
+template <typename T>
+void keep_marked(std::vector<T>& column, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    if (keep[i]) {
+      column[kept++] = column[i];
+    }
+  }
+  column.resize(kept);
+}
+
+}  // namespace
+
+void apply_lesions(const Circuit& circuit, std::vector<double>& weights, Network& network) {
+  if (circuit.lesions.empty()) {
+    return;
+  }
+  Synapses& synapses = network.synapses;
+  std::vector<bool> is_silent(network.neuron_count(), false);
+  std::vector<bool> keep(synapses.size(), true);
+  for (const Lesion& lesion : circuit.lesions) {
+    silence_instances(circuit, lesion, is_silent, network);
+    const std::vector<bool> is_cut = lesioned_pathways(lesion, network);
+    const RandomStream random(circuit.seed, "lesion\n" + lesion.key);
+    for (std::size_t s = 0; s < synapses.size(); ++s) {
+      if (is_cut[synapses.pathway[s]] && random.uniform(s) < lesion.fraction) {
+        keep[s] = false;
+      }
+    }
+  }
+  for (std::size_t s = 0; s < synapses.size(); ++s) {
+    keep[s] = keep[s] && !is_silent[synapses.pre[s]] && !is_silent[synapses.post[s]];
+  }
+  keep_marked(synapses.pre, keep);
+  keep_marked(synapses.post, keep);
+  keep_marked(synapses.delay_ticks, keep);
+  keep_marked(synapses.pathway, keep);
+  keep_marked(weights, keep);
+  for (NetworkPopulation& population : network.populations) {
+    for (std::uint32_t i = 0; i < population.size; ++i) {
+      if (is_silent[population.first_neuron + i]) {
+        population.silenced_neurons.push_back(i);
+      }
+    }
+  }
+}
+
+}  // namespace tectum

@@ -1,0 +1,163 @@
+#include "compiler/elaborate/connect.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace tectum {
+namespace {
+
+class Connector {
+ public:
+  Connector(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post,
+            const RandomStream& random, PairVariables& variables, const std::function<bool(PairBlock&)>& take)
+      : projection_(projection),
+        random_(random),
+        variables_(variables),
+        take_(take),
+        pre_size_(circuit.populations[index_of(pre.population)].size),
+        post_size_(circuit.populations[index_of(post.population)].size),
+        skips_autapses_(!projection.allows_autapses && &pre == &post) {}
+
+  bool run() {
+    switch (projection_.rule) {
+      case RuleKind::OneToOne:
+        for (std::uint32_t i = 0; i < std::min(pre_size_, post_size_); ++i) {
+          if (!add(i, i)) {
+            return false;
+          }
+        }
+        return flush();
+      case RuleKind::AllToAll:
+      case RuleKind::FixedProbability:
+        return every_pair();
+      case RuleKind::FixedInDegree:
+        return fixed_degree(post_size_, pre_size_, true);
+      case RuleKind::FixedOutDegree:
+        return fixed_degree(pre_size_, post_size_, false);
+    }
+    return true;
+  }
+
+ private:
+  bool every_pair() {
+    for (std::uint32_t pre = 0; pre < pre_size_; ++pre) {
+      for (std::uint32_t post = 0; post < post_size_; ++post) {
+        if (skips_autapses_ && pre == post) {
+          continue;
+        }
+        if (!add(pre, post)) {
+          return false;
+        }
+      }
+    }
+    return flush();
+  }
+
+  bool add(std::uint32_t pre, std::uint32_t post) {
+    block_.add(pre, post);
+    return block_.size() < kPairBlockSize || flush();
+  }
+
+  bool flush() {
+    keep_where();
+    if (projection_.rule == RuleKind::FixedProbability) {
+      keep_by_chance();
+    }
+    const bool goes_on = block_.size() == 0 || take_(block_);
+    block_.clear();
+    return goes_on;
+  }
+
+  template <typename Keep>
+  void compress(const Keep& keep) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < block_.size(); ++i) {
+      if (keep(i)) {
+        block_.pre[kept] = block_.pre[i];
+        block_.post[kept] = block_.post[i];
+        ++kept;
+      }
+    }
+    block_.pre.resize(kept);
+    block_.post.resize(kept);
+  }
+
+  void keep_where() {
+    if (projection_.where && block_.size() > 0) {
+      variables_.evaluate(*projection_.where, block_, values_);
+      compress([&](std::size_t i) { return values_[i] != 0; });
+    }
+  }
+
+  /// The draw belongs to the pair, so that `where` never shifts it to another.
+  void keep_by_chance() {
+    if (!projection_.probability || block_.size() == 0) {
+      return;
+    }
+    variables_.evaluate(*projection_.probability, block_, values_);
+    compress([&](std::size_t i) {
+      const std::uint64_t pair = std::uint64_t{block_.pre[i]} * post_size_ + block_.post[i];
+      return random_.uniform(pair) < values_[i];
+    });
+  }
+
+  /// For each of `count` neurons, `degree` different partners out of those that `where` leaves: the first entries
+  /// of a Fisher-Yates shuffle, draw k of neuron i at index i 2^32 + k.
+  bool fixed_degree(std::uint32_t count, std::uint32_t partner_count, bool is_in_degree) {
+    std::vector<std::uint32_t> partners;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      partners.clear();
+      for (std::uint32_t j = 0; j < partner_count; ++j) {
+        if (skips_autapses_ && i == j) {
+          continue;
+        }
+        block_.add(is_in_degree ? j : i, is_in_degree ? i : j);
+        if (block_.size() == kPairBlockSize || j + 1 == partner_count) {
+          drain(partners, is_in_degree);
+        }
+      }
+      drain(partners, is_in_degree);
+      const auto degree = std::min<std::size_t>(projection_.degree, partners.size());
+      for (std::size_t k = 0; k < degree; ++k) {
+        const std::uint64_t index = (std::uint64_t{i} << 32U) + k;
+        std::swap(partners[k], partners[k + random_.below(index, static_cast<std::uint32_t>(partners.size() - k))]);
+      }
+      std::sort(partners.begin(), partners.begin() + static_cast<std::ptrdiff_t>(degree));
+      for (std::size_t k = 0; k < degree; ++k) {
+        block_.add(is_in_degree ? partners[k] : i, is_in_degree ? i : partners[k]);
+      }
+      if (block_.size() > 0 && !take_(block_)) {
+        return false;
+      }
+      block_.clear();
+    }
+    return true;
+  }
+
+  void drain(std::vector<std::uint32_t>& partners, bool is_in_degree) {
+    keep_where();
+    const std::vector<std::uint32_t>& found = is_in_degree ? block_.pre : block_.post;
+    partners.insert(partners.end(), found.begin(), found.end());
+    block_.clear();
+  }
+
+  const Projection& projection_;
+  const RandomStream& random_;
+  PairVariables& variables_;
+  const std::function<bool(PairBlock&)>& take_;
+  std::uint32_t pre_size_;
+  std::uint32_t post_size_;
+  bool skips_autapses_;
+  PairBlock block_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+bool connect(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post,
+             const RandomStream& random, PairVariables& variables, const std::function<bool(PairBlock&)>& take) {
+  return Connector(projection, circuit, pre, post, random, variables, take).run();
+}
+
+}  // namespace tectum

@@ -1,0 +1,296 @@
+#include "compiler/elaborate/elaborate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "compiler/elaborate/apply_lesions.h"
+#include "compiler/elaborate/connect.h"
+#include "compiler/elaborate/quantise.h"
+#include "compiler/elaborate/same_tick_order.h"
+#include "compiler/validate/scope.h"
+#include "runtime/image/models.h"
+
+namespace tectum {
+namespace {
+
+constexpr std::size_t kMaxSynapses = std::size_t{1} << 27U;
+constexpr double kReportedRounding = 1e-3;
+
+void add_populations(const Circuit& circuit, Network& network) {
+  std::uint32_t next = 0;
+  for (const Instance& instance : circuit.instances) {
+    const Population& population = circuit.populations[index_of(instance.population)];
+    NetworkPopulation made;
+    made.name = instance.name;
+    made.nucleus = population.nucleus;
+    made.name_span = population.name_span;
+    made.model = population.model;
+    made.may_sleep = population.may_sleep;
+    made.first_neuron = next;
+    made.size = population.size;
+    made.parameters = instance.parameters;
+    made.receptors = population.receptors;
+    made.spike_ticks = instance.spike_ticks;
+    next += population.size;
+    if (instance.retina) {
+      network.retinas.push_back(
+          {circuit.retinas[index_of(*instance.retina)], static_cast<std::uint32_t>(network.populations.size())});
+    }
+    network.populations.push_back(std::move(made));
+  }
+}
+
+/// Does the projection join these two sides? Where both ends are given with a side, they are meant as written.
+bool joins(const Projection& projection, const Circuit& circuit, const Endpoint& from, const Instance& pre,
+           const Endpoint& to, const Instance& post) {
+  const std::vector<AxisId>& pre_axes = circuit.populations[index_of(pre.population)].axes;
+  const std::vector<AxisId>& post_axes = circuit.populations[index_of(post.population)].axes;
+  for (std::size_t a = 0; a < pre_axes.size(); ++a) {
+    if (from.fixed_sides[a] && *from.fixed_sides[a] != pre.sides[a]) {
+      return false;
+    }
+  }
+  for (std::size_t a = 0; a < post_axes.size(); ++a) {
+    if (to.fixed_sides[a] && *to.fixed_sides[a] != post.sides[a]) {
+      return false;
+    }
+  }
+  for (std::size_t a = 0; a < pre_axes.size(); ++a) {
+    const auto shared = std::find(post_axes.begin(), post_axes.end(), pre_axes[a]);
+    if (shared == post_axes.end()) {
+      continue;
+    }
+    const auto b = static_cast<std::size_t>(shared - post_axes.begin());
+    Relation relation = from.fixed_sides[a] && to.fixed_sides[b] ? Relation::Both : Relation::Ipsi;
+    for (const AxisRelation& given : projection.relations) {
+      relation = given.axis == pre_axes[a] ? given.relation : relation;
+    }
+    const bool is_same = pre.sides[a] == post.sides[b];
+    if ((relation == Relation::Ipsi && !is_same) || (relation == Relation::Contra && is_same)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// `sides` limits the target's side, or the source's where the target has none.
+bool is_on_side(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post) {
+  if (projection.only_sides.empty()) {
+    return true;
+  }
+  const Instance& end = post.sides.empty() ? pre : post;
+  const std::vector<AxisId>& axes = circuit.populations[index_of(end.population)].axes;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    const std::string& side = circuit.axes[index_of(axes[a])].sides[end.sides[a]];
+    if (std::find(projection.only_sides.begin(), projection.only_sides.end(), side) != projection.only_sides.end()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Names the random draws by what a mirror leaves alone: populations, and how far apart their sides are. The two
+/// sides of a pair are thus wired alike.
+std::string stream_name(const Projection& projection, const Circuit& circuit, const Instance& pre,
+                        const Instance& post) {
+  const Population& from = circuit.populations[index_of(pre.population)];
+  const Population& to = circuit.populations[index_of(post.population)];
+  std::string name = fmt::format("{}\n{}\n{}", projection.name, from.name, to.name);
+  for (std::size_t a = 0; a < from.axes.size(); ++a) {
+    const auto shared = std::find(to.axes.begin(), to.axes.end(), from.axes[a]);
+    const auto count = static_cast<std::uint32_t>(circuit.axes[index_of(from.axes[a])].sides.size());
+    if (shared != to.axes.end()) {
+      const std::uint32_t other = post.sides[static_cast<std::size_t>(shared - to.axes.begin())];
+      name += fmt::format("\n{}", (other + count - pre.sides[a]) % count);
+    }
+  }
+  return name;
+}
+
+class Wiring {
+ public:
+  Wiring(const Circuit& circuit, Network& network, Diagnostics& diagnostics)
+      : circuit_(circuit), network_(network), diagnostics_(diagnostics) {}
+
+  void run() {
+    for (std::size_t p = 0; p < circuit_.projections.size() && !is_full_; ++p) {
+      add(circuit_.projections[p], static_cast<ProjectionId>(p));
+    }
+  }
+
+  std::vector<double> weights;  // physical and signed
+
+ private:
+  void add(const Projection& projection, ProjectionId id) {
+    const std::size_t before = network_.synapses.size();
+    has_failed_ = false;
+    for (const Endpoint& from : projection.from) {
+      for (const Endpoint& to : projection.to) {
+        const Population& pre_population = circuit_.populations[index_of(from.population)];
+        const Population& post_population = circuit_.populations[index_of(to.population)];
+        for (std::uint32_t i = 0; i < pre_population.instance_count; ++i) {
+          for (std::uint32_t j = 0; j < post_population.instance_count; ++j) {
+            const std::size_t pre = index_of(pre_population.first_instance) + i;
+            const std::size_t post = index_of(post_population.first_instance) + j;
+            if (!has_failed_ &&
+                joins(projection, circuit_, from, circuit_.instances[pre], to, circuit_.instances[post]) &&
+                is_on_side(projection, circuit_, circuit_.instances[pre], circuit_.instances[post])) {
+              add_pathway(projection, id, pre, post, to.receptor);
+            }
+          }
+        }
+      }
+    }
+    if (network_.synapses.size() == before && !has_failed_) {
+      diagnostics_.add(Code::MatchesNoPair, projection.name_span).help_if(why_empty(projection), "{}");
+    }
+  }
+
+  static std::optional<std::string> why_empty(const Projection& projection) {
+    if (projection.where) {
+      return "no pair of neurons fulfils its `where`";
+    }
+    return std::nullopt;
+  }
+
+  void add_pathway(const Projection& projection, ProjectionId id, std::size_t pre, std::size_t post,
+                   std::uint32_t receptor) {
+    const Instance& from = circuit_.instances[pre];
+    const Instance& to = circuit_.instances[post];
+    const std::size_t before = network_.synapses.size();
+    const auto pathway = static_cast<std::uint32_t>(network_.pathways.size());
+    PairVariables variables(circuit_, from, to);
+    const RandomStream random(circuit_.seed, stream_name(projection, circuit_, from, to));
+    const bool is_done = connect(projection, circuit_, from, to, random, variables, [&](PairBlock& block) {
+      return take(projection, block, variables, network_.populations[pre].first_neuron,
+                  network_.populations[post].first_neuron, pathway);
+    });
+    has_failed_ = has_failed_ || !is_done;
+    if (network_.synapses.size() > before) {
+      network_.pathways.push_back({id, projection.name, projection.cite, projection.name_span,
+                                   static_cast<std::uint32_t>(pre), static_cast<std::uint32_t>(post), receptor});
+    }
+  }
+
+  bool take(const Projection& projection, const PairBlock& block, PairVariables& variables, std::uint32_t first_pre,
+            std::uint32_t first_post, std::uint32_t pathway) {
+    Synapses& synapses = network_.synapses;
+    if (synapses.size() + block.size() > kMaxSynapses) {
+      diagnostics_.add(Code::TooManySynapses, projection.name_span, {fmt::format("{}", kMaxSynapses)});
+      is_full_ = true;
+      return false;
+    }
+    variables.evaluate(projection.weight, block, weight_values_);
+    variables.evaluate(projection.delay, block, delay_values_);
+    const double sign = projection.is_inhibitory ? -1 : 1;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (!check_weight(projection, block, i)) {
+        return false;
+      }
+      const auto ticks = whole_ticks(delay_values_[i], circuit_.tick_ns);
+      if (!ticks || *ticks > kMaxDelayTicks) {
+        report_delay(projection, block, i, ticks.has_value());
+        return false;
+      }
+      synapses.pre.push_back(first_pre + block.pre[i]);
+      synapses.post.push_back(first_post + block.post[i]);
+      synapses.delay_ticks.push_back(static_cast<std::uint32_t>(*ticks));
+      synapses.pathway.push_back(pathway);
+      weights.push_back(sign * weight_values_[i]);
+    }
+    return true;
+  }
+
+  static std::string pair_text(const PairBlock& block, std::size_t i) {
+    return fmt::format("for pre.index {} and post.index {}", block.pre[i], block.post[i]);
+  }
+
+  bool check_weight(const Projection& projection, const PairBlock& block, std::size_t i) {
+    const double weight = weight_values_[i];
+    if (!std::isfinite(weight)) {
+      diagnostics_.add(Code::NotFinite, projection.weight_span, {"the weight is not finite " + pair_text(block, i)});
+      return false;
+    }
+    if (weight < 0) {
+      diagnostics_.add(Code::NegativeWeight, projection.weight_span, {shown(weight, projection.weight.dimension)})
+          .help(fmt::format("this is {}; write `max(0 {}, ...)` to cut it off", pair_text(block, i),
+                            display_unit(projection.weight.dimension)));
+      return false;
+    }
+    return true;
+  }
+
+  void report_delay(const Projection& projection, const PairBlock& block, std::size_t i, bool is_too_long) {
+    const std::string delay = shown(delay_values_[i], kTime);
+    if (is_too_long) {
+      diagnostics_.add(Code::DelayTooLong, projection.delay_span, {delay, fmt::format("{}", kMaxDelayTicks)})
+          .help("this is " + pair_text(block, i));
+      return;
+    }
+    diagnostics_.add(Code::DelayNotTicks, projection.delay_span, {delay, shown(circuit_.tick_ms(), kTime)})
+        .help(
+            fmt::format("this is {}; write it as a whole number of ticks with `floor` or `ceil`", pair_text(block, i)));
+  }
+
+  const Circuit& circuit_;
+  Network& network_;
+  Diagnostics& diagnostics_;
+  std::vector<double> weight_values_;
+  std::vector<double> delay_values_;
+  bool has_failed_ = false;
+  bool is_full_ = false;
+};
+
+void report_rounding(const Circuit& circuit, const RoundingReport& rounding, Diagnostics& diagnostics) {
+  for (std::size_t p = 0; p < circuit.projections.size(); ++p) {
+    const double error = rounding.largest_relative_error[p];
+    if (error > kReportedRounding) {
+      diagnostics.add(Code::WeightRounded, circuit.projections[p].weight_span, {fmt::format("{:.3g} %", error * 100)})
+          .help("other synapses onto the same receptor are so strong that these fall below its resolution");
+    }
+  }
+}
+
+void report_cycle(const Network& network, const std::vector<std::uint32_t>& cycle, Diagnostics& diagnostics) {
+  std::string text = network.populations[network.pathways[cycle.front()].pre_population].name;
+  for (const std::uint32_t p : cycle) {
+    text += " -> " + network.populations[network.pathways[p].post_population].name;
+  }
+  auto builder = diagnostics.add(Code::ZeroDelayCycle, network.pathways[cycle.front()].name_span, {text});
+  for (std::size_t i = 1; i < cycle.size(); ++i) {
+    builder.label(network.pathways[cycle[i]].name_span, "and this one");
+  }
+  builder.help("give one of them a delay of at least one tick");
+}
+
+}  // namespace
+
+std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  Network network;
+  network.name = circuit.name;
+  network.tick_ns = circuit.tick_ns;
+  network.seed = circuit.seed;
+  network.outputs = circuit.outputs;
+  network.joints = circuit.joints;
+  add_populations(circuit, network);
+  Wiring wiring(circuit, network, diagnostics);
+  wiring.run();
+  if (diagnostics.error_count() > errors_before) {
+    return std::nullopt;
+  }
+  apply_lesions(circuit, wiring.weights, network);
+  report_rounding(circuit, quantise(circuit, wiring.weights, network), diagnostics);
+  const SameTickOrder order = same_tick_order(network);
+  if (!order.cycle.empty()) {
+    report_cycle(network, order.cycle, diagnostics);
+    return std::nullopt;
+  }
+  return network;
+}
+
+}  // namespace tectum

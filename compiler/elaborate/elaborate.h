@@ -1,0 +1,15 @@
+#pragma once
+
+#include <optional>
+
+#include "compiler/diagnostics/diagnostic.h"
+#include "compiler/elaborate/network.h"
+#include "compiler/validate/circuit.h"
+
+namespace tectum {
+
+/// Writes the circuit out. Can fail only where values depend on pairs of neurons (a weight that is not finite or
+/// negative, a delay that is no whole number of ticks), where same-tick synapses form a cycle, and on resource limits.
+[[nodiscard]] std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostics);
+
+}  // namespace tectum

@@ -1,0 +1,80 @@
+// A circuit written out: every neuron and every synapse. No expression, rule or side relation is left.
+//
+// Synapses are columns in the order in which projections made them. A weight is an integer number of quanta of
+// its target's receptor from the start, so that no later pass can change a rounding: sums of quanta are exact.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/source/source_file.h"
+#include "compiler/validate/circuit.h"
+#include "runtime/image/spike_image.h"
+
+namespace tectum {
+
+/// One side of a population: neurons [first_neuron, first_neuron + size).
+struct NetworkPopulation {
+  std::string name;
+  std::string nucleus;
+  Span name_span;
+  ModelKind model = ModelKind::LifExp;
+  bool may_sleep = false;
+  std::uint32_t first_neuron = 0;
+  std::uint32_t size = 0;
+  std::map<std::string, std::vector<double>> parameters;
+  std::vector<Receptor> receptors;
+  std::vector<std::int32_t> quantum_log2;       // one a receptor: physical weight = quanta * 2^quantum_log2
+  std::vector<std::uint32_t> spike_ticks;       // spike_list
+  std::vector<std::uint32_t> silenced_neurons;  // local indices, ascending: lesioned, they never fire
+};
+
+/// What one projection makes between two population sides. Synapses point here: it is their origin.
+struct Pathway {
+  ProjectionId projection{};
+  std::string name;  // the projection's
+  std::string cite;
+  Span name_span;
+  std::uint32_t pre_population = 0;
+  std::uint32_t post_population = 0;
+  std::uint32_t receptor = 0;
+};
+
+struct Synapses {
+  std::vector<std::uint32_t> pre;   // neuron
+  std::vector<std::uint32_t> post;  // neuron
+  std::vector<std::int32_t> quanta;
+  std::vector<std::uint32_t> delay_ticks;
+  std::vector<std::uint32_t> pathway;
+
+  [[nodiscard]] std::size_t size() const { return pre.size(); }
+};
+
+struct NetworkRetina {
+  Retina retina;
+  std::uint32_t population = 0;
+};
+
+struct Network {
+  std::string name;
+  std::uint64_t tick_ns = 0;
+  std::uint64_t seed = 0;
+  std::vector<NetworkPopulation> populations;
+  std::vector<Pathway> pathways;
+  Synapses synapses;
+  std::vector<NetworkRetina> retinas;
+  std::vector<Output> outputs;  // a term's instance is an index into populations
+  std::vector<JointLimits> joints;
+
+  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) * 1e-6; }
+  [[nodiscard]] std::uint32_t neuron_count() const {
+    return populations.empty() ? 0 : populations.back().first_neuron + populations.back().size;
+  }
+};
+
+/// Text of the network: populations, pathways with their counts, and at most `max_synapses` synapses.
+[[nodiscard]] std::string dump_network(const Network& network, std::size_t max_synapses);
+
+}  // namespace tectum

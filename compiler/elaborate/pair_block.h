@@ -1,0 +1,54 @@
+// Pairs of neurons on their way from a rule to synapses: expressions are evaluated a block of pairs at a time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "compiler/expression/expression.h"
+#include "compiler/validate/circuit.h"
+
+namespace tectum {
+
+/// Local indices of the neurons of each pair.
+struct PairBlock {
+  std::vector<std::uint32_t> pre;
+  std::vector<std::uint32_t> post;
+
+  [[nodiscard]] std::size_t size() const { return pre.size(); }
+  void clear() {
+    pre.clear();
+    post.clear();
+  }
+  void add(std::uint32_t pre_index, std::uint32_t post_index) {
+    pre.push_back(pre_index);
+    post.push_back(post_index);
+  }
+};
+
+inline constexpr std::size_t kPairBlockSize = 4096;
+
+/// Values of the pair variables between two population sides.
+class PairVariables {
+ public:
+  PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post);
+
+  /// Evaluates `expression` for each pair of the block.
+  void evaluate(const TypedExpression& expression, const PairBlock& block, std::vector<double>& out);
+
+ private:
+  /// One value for every neuron of a side, or one for all.
+  struct Column {
+    std::vector<double> values;
+    bool is_pre = true;
+  };
+  void add_geometry(const Circuit& circuit, const Instance& instance, bool is_pre);
+  void add_sides(const Circuit& circuit, const Instance& pre, const Instance& post);
+
+  std::vector<Column> columns_;                // slot by slot; empty where the variable has no meaning here
+  std::vector<std::vector<double>> gathered_;  // slot by slot, for the block in hand
+};
+
+}  // namespace tectum

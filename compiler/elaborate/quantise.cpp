@@ -1,0 +1,96 @@
+#include "compiler/elaborate/quantise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "runtime/image/models.h"
+
+namespace tectum {
+namespace {
+
+constexpr int kSumBits = 30;
+constexpr std::int32_t kQuantumWithoutSynapses = -20;
+
+/// Sums of |weight| and the number of synapses for each (neuron, receptor).
+struct SlotSums {
+  std::vector<std::size_t> first;  // of each population
+  std::vector<double> magnitude;
+  std::vector<std::uint32_t> count;
+};
+
+SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
+  SlotSums sums;
+  std::size_t total = 0;
+  for (const NetworkPopulation& population : network.populations) {
+    sums.first.push_back(total);
+    total += population.receptors.size() * population.size;
+  }
+  sums.magnitude.assign(total, 0);
+  sums.count.assign(total, 0);
+  const Synapses& synapses = network.synapses;
+  for (std::size_t s = 0; s < synapses.size(); ++s) {
+    const Pathway& pathway = network.pathways[synapses.pathway[s]];
+    const NetworkPopulation& post = network.populations[pathway.post_population];
+    const std::size_t slot = sums.first[pathway.post_population] + std::size_t{pathway.receptor} * post.size +
+                             (synapses.post[s] - post.first_neuron);
+    sums.magnitude[slot] += std::abs(weights[s]);
+    ++sums.count[slot];
+  }
+  return sums;
+}
+
+/// Smallest exponent q with sum / 2^q + count / 2 < 2^30: rounding adds at most half a quantum a synapse.
+std::int32_t quantum_for(double sum, std::uint32_t count) {
+  int exponent = 0;
+  std::frexp(sum, &exponent);
+  std::int32_t q = exponent - kSumBits;
+  while (std::ldexp(sum, -q) + count / 2.0 >= std::ldexp(1.0, kSumBits)) {
+    ++q;
+  }
+  return std::clamp(q, kMinQuantumLog2, kMaxQuantumLog2);
+}
+
+}  // namespace
+
+RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weights, Network& network) {
+  const SlotSums sums = sum_slots(network, weights);
+  for (const Population& population : circuit.populations) {
+    const std::size_t first = index_of(population.first_instance);
+    for (std::size_t r = 0; r < population.receptors.size(); ++r) {
+      // A boxcar adds the arrivals of its whole window.
+      const double window = std::max(1U, population.receptors[r].window_ticks);
+      std::int32_t q = kMinQuantumLog2 - 1;
+      for (std::size_t i = first; i < first + population.instance_count; ++i) {
+        for (std::size_t n = 0; n < population.size; ++n) {
+          const std::size_t slot = sums.first[i] + r * population.size + n;
+          if (sums.magnitude[slot] > 0) {
+            q = std::max(
+                q, quantum_for(sums.magnitude[slot] * window, static_cast<std::uint32_t>(sums.count[slot] * window)));
+          }
+        }
+      }
+      for (std::size_t i = first; i < first + population.instance_count; ++i) {
+        network.populations[i].quantum_log2.push_back(q < kMinQuantumLog2 ? kQuantumWithoutSynapses : q);
+      }
+    }
+  }
+  RoundingReport report;
+  report.largest_relative_error.assign(circuit.projections.size(), 0);
+  Synapses& synapses = network.synapses;
+  synapses.quanta.resize(synapses.size());
+  for (std::size_t s = 0; s < synapses.size(); ++s) {
+    const Pathway& pathway = network.pathways[synapses.pathway[s]];
+    const std::int32_t q = network.populations[pathway.post_population].quantum_log2[pathway.receptor];
+    const double exact = std::ldexp(weights[s], -q);
+    const double rounded = std::nearbyint(exact);
+    synapses.quanta[s] = static_cast<std::int32_t>(rounded);
+    if (exact != 0) {
+      double& worst = report.largest_relative_error[index_of(pathway.projection)];
+      worst = std::max(worst, std::abs(rounded - exact) / std::abs(exact));
+    }
+  }
+  return report;
+}
+
+}  // namespace tectum

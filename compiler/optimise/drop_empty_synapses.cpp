@@ -1,0 +1,14 @@
+#include "compiler/optimise/keep_synapses.h"
+#include "compiler/optimise/passes.h"
+
+namespace tectum {
+
+void drop_empty_synapses(Network& network) {
+  std::vector<bool> keep(network.synapses.size());
+  for (std::size_t s = 0; s < network.synapses.size(); ++s) {
+    keep[s] = network.synapses.quanta[s] != 0;
+  }
+  keep_synapses(keep, network.synapses);
+}
+
+}  // namespace tectum

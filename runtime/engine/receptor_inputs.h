@@ -21,6 +21,8 @@ class ReceptorInputs {
   [[nodiscard]] double value(std::uint32_t r, std::uint32_t neuron) const noexcept {
     return values_[std::size_t{r} * size_ + neuron];
   }
+  /// Inputs of receptor r, neuron by neuron.
+  [[nodiscard]] const double* values(std::uint32_t r) const noexcept { return values_.data() + std::size_t{r} * size_; }
   /// Sum over the receptors, in their order.
   [[nodiscard]] double sum(std::uint32_t neuron) const noexcept;
   [[nodiscard]] std::uint32_t receptor_count() const noexcept { return static_cast<std::uint32_t>(receptors_.size()); }

@@ -2,13 +2,13 @@
 
 #include "runtime/engine/membrane_group.h"
 #include "runtime/engine/point_groups.h"
+#include "runtime/engine/program_group.h"
 #include "runtime/engine/source_groups.h"
 
 namespace tectum {
 
 std::unique_ptr<UpdateGroup> make_update_group(const SpikeImage& image, const GroupRecord& group,
                                                const EngineOptions& options) {
-  (void)options;
   switch (group.model) {
     case ModelKind::FieldSource:
       return std::make_unique<FieldGroup>(image, group);
@@ -25,7 +25,7 @@ std::unique_ptr<UpdateGroup> make_update_group(const SpikeImage& image, const Gr
     case ModelKind::SpikeList:
       return std::make_unique<SpikeListGroup>(image, group);
     case ModelKind::Program:
-      break;  // verify_image refuses them
+      return std::make_unique<ProgramGroup>(image, group, options.simd);
   }
   return nullptr;
 }

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "runtime/image/models.h"
+#include "runtime/image/program.h"
 #include "runtime/image/section_table.h"
 
 namespace tectum {
@@ -29,6 +30,16 @@ constexpr std::array<const char*, kSectionKindCount + 1> kSectionNames = {
   std::vsnprintf(text.data(), text.size() + 1, pattern, again);
   va_end(again);
   return text;
+}
+
+// A program has neither a name nor named parameters.
+std::string_view model_name(ModelKind kind) {
+  const ModelInfo* model = find_model(kind);
+  return model == nullptr ? "equations" : model->name;
+}
+std::span<const ParameterInfo> parameters_of(const GroupRecord& group) {
+  const ModelInfo* model = find_model(group.model);
+  return model == nullptr ? std::span<const ParameterInfo>{} : model->parameters;
 }
 
 class Describer {
@@ -172,11 +183,10 @@ void Describer::populations() {
 
 std::string Describer::group_flags(const GroupRecord& group) const {
   std::string text = (group.flags & kGroupMaySleep) != 0 ? ", may sleep" : "";
-  const ModelInfo& model = *find_model(group.model);
   std::string varying;
-  for (std::uint32_t p = 0; p < model.parameters.size(); ++p) {
+  for (std::uint32_t p = 0; p < parameters_of(group).size(); ++p) {
     if (((group.flags >> (kGroupColumnShift + p)) & 1U) != 0) {
-      varying += (varying.empty() ? "" : ", ") + std::string(model.parameters[p].name);
+      varying += (varying.empty() ? "" : ", ") + std::string(parameters_of(group)[p].name);
     }
   }
   return varying.empty() ? text : text + ", one value a neuron: " + varying;
@@ -185,7 +195,7 @@ std::string Describer::group_flags(const GroupRecord& group) const {
 void Describer::groups() {
   section(SectionKind::Groups, image_.groups, [&](const GroupRecord& g, std::size_t i) {
     record(g, format("group %zu of %s: %s, ", i, quoted(image_.populations[g.population].name).c_str(),
-                     std::string(find_model(g.model)->name).c_str()) +
+                     std::string(model_name(g.model)).c_str()) +
                   neurons(g.first_neuron, g.size) +
                   format(", %u receptors, slots from %u", g.receptor_count, g.first_slot) + group_flags(g));
   });
@@ -209,10 +219,14 @@ void Describer::parameters() {
   std::vector<std::string> meaning(image_.parameters.size(), "unused");
   for (std::size_t g = 0; g < image_.groups.size(); ++g) {
     const GroupRecord& group = image_.groups[g];
-    const ModelInfo& model = *find_model(group.model);
     const std::string owner = std::string(image_.name(image_.populations[group.population].name));
     std::size_t at = group.parameter_begin;
-    for (const ParameterInfo& info : model.parameters) {
+    if (group.model == ModelKind::Program) {
+      for (std::uint32_t k = 0; k + 2 * group.receptor_count < group.parameter_count; ++k) {
+        meaning[at++] = owner + format(" constant %u", k);
+      }
+    }
+    for (const ParameterInfo& info : parameters_of(group)) {
       meaning[at++] = owner + "." + std::string(info.name) + (info.unit.empty() ? "" : ", " + std::string(info.unit));
     }
     for (const char* what : {"tau, ms", "decay a tick"}) {
@@ -326,8 +340,15 @@ void Describer::actions() {
 }
 
 void Describer::source_spikes() {
+  std::vector<std::string> meaning;
+  for (const GroupRecord& group : image_.groups) {
+    if (group.model == ModelKind::Program) {
+      const auto words = describe_program(image_.programs.subspan(group.data_begin, group.data_count));
+      meaning.insert(meaning.end(), words.begin(), words.end());
+    }
+  }
   section(SectionKind::Programs, image_.programs,
-          [&](const std::uint32_t& word, std::size_t) { record(word, format("%08x", word)); });
+          [&](const std::uint32_t& word, std::size_t i) { record(word, meaning[i]); });
   section(SectionKind::SourceSpikes, image_.source_spikes, [&](const std::uint32_t& word, std::size_t i) {
     record(word, i % 2 == 0 ? format("tick %u", word) : format("  neuron %u of its group", word));
   });

@@ -1,7 +1,9 @@
 #include "runtime/image/program.h"
 
 #include <array>
+#include <cstddef>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 namespace tectum {
@@ -90,6 +92,20 @@ bool verify_header(std::span<const std::uint32_t> words, std::string& why) {
   return true;
 }
 
+std::string operand_name(const ProgramHeader& header, std::uint32_t operand) {
+  const std::pair<const char*, std::uint32_t> kinds[] = {{"state ", header.state_count},
+                                                         {"input ", header.input_count},
+                                                         {"column ", header.column_count},
+                                                         {"constant ", header.constant_count}};
+  for (const auto& [kind, count] : kinds) {
+    if (operand < count) {
+      return kind + std::to_string(operand);
+    }
+    operand -= count;
+  }
+  return "temporary " + std::to_string(operand);
+}
+
 }  // namespace
 
 std::uint32_t operand_count(ProgramOp op) { return info(op).operands; }
@@ -106,6 +122,36 @@ ProgramStep program_step(std::span<const std::uint32_t> words, std::size_t index
   ProgramStep step;
   std::memcpy(&step, words.data() + first + index * kProgramStepWords, sizeof(step));
   return step;
+}
+
+std::vector<std::string> describe_program(std::span<const std::uint32_t> words) {
+  constexpr const char* kFields[kProgramHeaderWords] = {
+      "version",      "states",          "inputs",      "columns", "constants",        "temporaries",
+      "update steps", "threshold steps", "reset steps", "fires",   "refractory ticks", "held states, by bit"};
+  constexpr std::size_t kFiresWord = offsetof(ProgramHeader, fires) / sizeof(std::uint32_t);
+  const ProgramHeader header = program_header(words);
+  std::vector<std::string> meaning;
+  for (std::size_t w = 0; w < kProgramHeaderWords; ++w) {
+    meaning.push_back("program: " + std::string(kFields[w]) + " " +
+                      (w == kFiresWord ? operand_name(header, header.fires) : std::to_string(words[w])));
+  }
+  for (std::uint32_t s = 0; s < header.state_count; ++s) {
+    meaning.push_back("  state " + std::to_string(s) + " starts from " +
+                      operand_name(header, words[kProgramHeaderWords + s]));
+  }
+  const std::size_t before_reset = std::size_t{header.update_count} + header.threshold_count;
+  for (std::size_t k = 0; k < before_reset + header.reset_count; ++k) {
+    const ProgramStep step = program_step(words, k);
+    const std::uint32_t reads = operand_count(step.op);
+    const char* part = k < header.update_count ? "update" : k < before_reset ? "threshold" : "reset";
+    meaning.push_back("  step " + std::to_string(k) + ", " + part + ": " + program_op_name(step.op));
+    meaning.push_back("    to " + operand_name(header, step.target));
+    const std::uint32_t operands[] = {step.a, step.b, step.c};
+    for (std::uint32_t o = 0; o < 3; ++o) {
+      meaning.push_back(o < reads ? "    of " + operand_name(header, operands[o]) : "    unused");
+    }
+  }
+  return meaning;
 }
 
 bool verify_program(std::span<const std::uint32_t> words, std::string& why) {

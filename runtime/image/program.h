@@ -31,6 +31,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tectum {
 
@@ -117,6 +118,9 @@ static_assert(kProgramStepWords == 5);
 /// and before it is read. Otherwise `why` says what is wrong. The caller compares the counts in the
 /// header with those of the group.
 [[nodiscard]] bool verify_program(std::span<const std::uint32_t> words, std::string& why);
+
+/// What each word means, for the dump. Needs: verified words.
+[[nodiscard]] std::vector<std::string> describe_program(std::span<const std::uint32_t> words);
 
 /// Needs: verified words.
 [[nodiscard]] ProgramHeader program_header(std::span<const std::uint32_t> words);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/image/models.h"
+#include "runtime/image/program.h"
 #include "runtime/image/verify_parts.h"
 
 namespace tectum {
@@ -121,15 +122,15 @@ std::string verify_ticks(const SpikeImage& image, const GroupRecord& group, cons
   return {};
 }
 
-std::string verify_receptors(const SpikeImage& image, const GroupRecord& group, const ModelInfo& model) {
-  const std::size_t parameter_count = model.parameters.size();
+std::string verify_receptors(const SpikeImage& image, const GroupRecord& group, std::size_t parameter_count,
+                             std::uint32_t receptor_kinds) {
   for (std::uint32_t r = 0; r < group.receptor_count; ++r) {
     const ReceptorRecord& receptor = image.receptors[group.first_receptor + r];
     const auto kind = static_cast<std::uint32_t>(receptor.kind);
     if (!is_name(image, receptor.name)) {
       return "receptor name outside the strings";
     }
-    if (kind > 31 || ((model.receptor_kinds >> kind) & 1U) == 0) {
+    if (kind > 31 || ((receptor_kinds >> kind) & 1U) == 0) {
       return "receptor of kind " + number(kind);
     }
     if (receptor.quantum_log2 < kMinQuantumLog2 || receptor.quantum_log2 > kMaxQuantumLog2) {
@@ -185,7 +186,32 @@ std::string verify_source_spikes(const SpikeImage& image, const GroupRecord& gro
   return {};
 }
 
+// Any kind of receptor, and the layout of runtime/image/program.h.
+std::string verify_program_group(const SpikeImage& image, const GroupRecord& group) {
+  constexpr std::uint32_t kAnyReceptor = 0b1110;  // bit k: ReceptorKind k
+  if (group.flags != 0 || group.table_count != 0 || group.receptor_count > kMaxReceptors ||
+      !is_range(group.data_begin, group.data_count, image.programs.size())) {
+    return "program outside its section, or with flags, a table or too many receptors";
+  }
+  std::string error;
+  if (!verify_program(image.programs.subspan(group.data_begin, group.data_count), error)) {
+    return error;
+  }
+  const ProgramHeader header = program_header(image.programs.subspan(group.data_begin, group.data_count));
+  const std::uint64_t parameter_count = std::uint64_t{header.constant_count} + 2 * group.receptor_count;
+  if (header.input_count != group.receptor_count || header.column_count != group.column_count ||
+      group.parameter_count != parameter_count || header.refractory_ticks > kMaxRefractoryTicks ||
+      !is_range(group.parameter_begin, group.parameter_count, image.parameters.size()) ||
+      !is_range(group.column_begin, std::uint64_t{group.column_count} * group.size, image.columns.size())) {
+    return "program does not fit its group's parameters, columns or receptors";
+  }
+  return verify_receptors(image, group, header.constant_count, kAnyReceptor);
+}
+
 std::string verify_group(const SpikeImage& image, const GroupRecord& group) {
+  if (group.model == ModelKind::Program) {
+    return verify_program_group(image, group);
+  }
   const ModelInfo* model = find_model(group.model);
   if (model == nullptr) {
     return "unknown model " + number(static_cast<std::uint32_t>(group.model));
@@ -201,7 +227,7 @@ std::string verify_group(const SpikeImage& image, const GroupRecord& group) {
     error = verify_ticks(image, group, *model);
   }
   if (error.empty()) {
-    error = verify_receptors(image, group, *model);
+    error = verify_receptors(image, group, model->parameters.size(), model->receptor_kinds);
   }
   if (error.empty()) {
     error = verify_tables(image, group, *model);
@@ -220,6 +246,7 @@ std::string verify_groups(const SpikeImage& image) {
   std::vector<Range> neurons;
   std::vector<Range> slots;
   std::uint64_t next_receptor = 0;
+  std::uint64_t next_program_word = 0;
   for (std::size_t g = 0; g < image.groups.size(); ++g) {
     const GroupRecord& group = image.groups[g];
     const std::string where = "group " + number(g) + ": ";
@@ -236,6 +263,12 @@ std::string verify_groups(const SpikeImage& image) {
       return where + "receptors do not follow the last group's";
     }
     next_receptor += group.receptor_count;
+    if (group.model == ModelKind::Program) {
+      if (group.data_begin != next_program_word) {
+        return where + "program does not follow the last group's";
+      }
+      next_program_word += group.data_count;
+    }
     neurons.push_back({group.first_neuron, group.size});
     slots.push_back({group.first_slot, std::uint64_t{group.receptor_count} * group.size});
     const std::string error = verify_group(image, group);
@@ -245,6 +278,9 @@ std::string verify_groups(const SpikeImage& image) {
   }
   if (next_receptor != image.receptors.size()) {
     return "receptors that belong to no group";
+  }
+  if (next_program_word != image.programs.size()) {
+    return "equation programs that belong to no group";
   }
   const auto tile = [](std::vector<Range>& ranges, std::uint64_t total) {
     std::erase_if(ranges, [](const Range& range) { return range.count == 0; });

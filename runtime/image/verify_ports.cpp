@@ -123,9 +123,6 @@ std::string verify_ports(const SpikeImage& image) {
       return "output " + number(o) + ": " + error;
     }
   }
-  if (!image.programs.empty()) {
-    return "equation programs are not part of image version " + number(kImageVersion);
-  }
   return verify_joints(image);
 }
 

@@ -50,7 +50,7 @@ TEST_CASE("names and populations out of range are refused") {
 TEST_CASE("groups that leave their arrays are refused") {
   const Hostile cases[] = {
       {"model", [](ImageContents& c) { c.groups[2].model = ModelKind{77}; }, "group 2: unknown model 77"},
-      {"program", [](ImageContents& c) { c.groups[2].model = ModelKind::Program; }, "unknown model 9"},
+      {"program", [](ImageContents& c) { c.groups[2].model = ModelKind::Program; }, "program outside its section"},
       {"population", [](ImageContents& c) { c.groups[2].population = 99; }, "population 99"},
       {"neurons", [](ImageContents& c) { c.groups[2].first_neuron = kHuge; }, "outside its population"},
       {"size", [](ImageContents& c) { c.groups[2].size = kHuge; }, "outside its population"},

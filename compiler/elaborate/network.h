@@ -53,7 +53,7 @@ struct Synapses {
 };
 
 struct NetworkRetina {
-  Retina retina;
+  RetinaSheet retina;
   std::uint32_t population = 0;
 };
 
@@ -66,7 +66,7 @@ struct Network {
   Synapses synapses;
   std::vector<NetworkRetina> retinas;
   std::vector<Output> outputs;  // a term's instance is an index into populations
-  std::vector<JointLimits> joints;
+  std::vector<JointSetting> joints;
 
   [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) * 1e-6; }
   [[nodiscard]] std::uint32_t neuron_count() const {

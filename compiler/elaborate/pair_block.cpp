@@ -59,7 +59,7 @@ void PairVariables::add_geometry(const Circuit& circuit, const Instance& instanc
   if (!instance.retina) {
     return;
   }
-  const Retina& retina = circuit.retinas[index_of(*instance.retina)];
+  const RetinaSheet& retina = circuit.retinas[index_of(*instance.retina)];
   const std::uint32_t first = is_pre ? kPreX : kPostX;
   for (std::uint32_t k = 0; k < 3; ++k) {
     columns_[first + k].is_pre = is_pre;

@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kSumBits = 30;
 constexpr std::int32_t kQuantumWithoutSynapses = -20;
+// The far tail of a kernel may vanish: errors are seen against at least this share of the strongest weight.
+constexpr double kNegligible = 1e-6;
 
 /// Sums of |weight| and the number of synapses for each (neuron, receptor).
 struct SlotSums {
@@ -77,6 +79,11 @@ RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weigh
   }
   RoundingReport report;
   report.largest_relative_error.assign(circuit.projections.size(), 0);
+  std::vector<double> strongest(circuit.projections.size(), 0);
+  for (std::size_t s = 0; s < weights.size(); ++s) {
+    double& weight = strongest[index_of(network.pathways[network.synapses.pathway[s]].projection)];
+    weight = std::max(weight, std::abs(weights[s]));
+  }
   Synapses& synapses = network.synapses;
   synapses.quanta.resize(synapses.size());
   for (std::size_t s = 0; s < synapses.size(); ++s) {
@@ -86,8 +93,10 @@ RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weigh
     const double rounded = std::nearbyint(exact);
     synapses.quanta[s] = static_cast<std::int32_t>(rounded);
     if (exact != 0) {
-      double& worst = report.largest_relative_error[index_of(pathway.projection)];
-      worst = std::max(worst, std::abs(rounded - exact) / std::abs(exact));
+      const std::size_t p = index_of(pathway.projection);
+      const double scale = std::max(std::abs(weights[s]), kNegligible * strongest[p]);
+      double& worst = report.largest_relative_error[p];
+      worst = std::max(worst, std::ldexp(std::abs(rounded - exact), q) / scale);
     }
   }
   return report;

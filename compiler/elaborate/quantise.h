@@ -6,7 +6,8 @@
 
 namespace tectum {
 
-/// Largest relative error that rounding to quanta caused, projection by projection.
+/// Largest relative error that rounding to quanta caused, projection by projection. Weights below a millionth of
+/// the projection's strongest count as that much.
 struct RoundingReport {
   std::vector<double> largest_relative_error;  // index: ProjectionId
 };

@@ -161,7 +161,7 @@ void add_retinas(const Network& network, ImageContents& image, Strings& strings)
     if (is_all_silent(population)) {
       continue;
     }
-    const Retina& retina = input.retina;
+    const RetinaSheet& retina = input.retina;
     RetinaRecord record{};
     record.name = strings.add(retina.name);
     record.eye = retina.eye;
@@ -195,7 +195,7 @@ void add_outputs(const Network& network, ImageContents& image, Strings& strings)
       image.output_terms.push_back({population.first_neuron, population.size, term.gain});
     }
   }
-  for (const JointLimits& joint : network.joints) {
+  for (const JointSetting& joint : network.joints) {
     image.joints.push_back({joint.joint, 0, joint.min_deg, joint.max_deg, joint.max_speed_deg_s});
   }
 }

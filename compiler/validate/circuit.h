@@ -117,7 +117,7 @@ enum PairVariable : std::uint32_t {
 };
 
 /// Field centres as angles from the optical axis, for retina populations.
-struct Retina {
+struct RetinaSheet {
   std::string name;
   Eye eye = Eye::Left;
   std::uint32_t frame_width = 0;
@@ -143,7 +143,7 @@ struct Output {
   double offset_deg = 0;
 };
 
-struct JointLimits {
+struct JointSetting {
   Joint joint = Joint::LeftEyePan;
   double min_deg = 0;
   double max_deg = 0;
@@ -167,9 +167,9 @@ struct Circuit {
   std::vector<Population> populations;
   std::vector<Instance> instances;
   std::vector<Projection> projections;
-  std::vector<Retina> retinas;
+  std::vector<RetinaSheet> retinas;
   std::vector<Output> outputs;
-  std::vector<JointLimits> joints;
+  std::vector<JointSetting> joints;
   std::vector<Lesion> lesions;
   /// Number of each side's word in expressions; 0 is the hemifield of a cell on the midline.
   std::map<std::string, int> words;

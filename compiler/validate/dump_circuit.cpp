@@ -49,7 +49,7 @@ std::string dump_circuit(const Circuit& circuit) {
                         kRuleNames[static_cast<std::size_t>(projection.rule)], value_text(projection.weight),
                         value_text(projection.delay), projection.where ? ", where" : "");
   }
-  for (const Retina& retina : circuit.retinas) {
+  for (const RetinaSheet& retina : circuit.retinas) {
     text += fmt::format("retina {}: {} fields, {:g} deg over {} px\n", retina.name, retina.fields.size(),
                         retina.field_of_view_deg, retina.frame_width);
   }
@@ -58,7 +58,7 @@ std::string dump_circuit(const Circuit& circuit) {
                         output.kind == OutputKind::Position ? "position" : "velocity", output.terms.size(),
                         output.window_ticks, output.joint_mask);
   }
-  for (const JointLimits& joint : circuit.joints) {
+  for (const JointSetting& joint : circuit.joints) {
     text += fmt::format("joint {}: {:g} to {:g} deg\n", kJointNames[static_cast<std::size_t>(joint.joint)],
                         joint.min_deg, joint.max_deg);
   }

@@ -48,7 +48,7 @@ Environment neuron_environment(const Validation& v, const Population& population
 
 class ParameterEvaluator {
  public:
-  ParameterEvaluator(Validation& v, const Population& population, const ModelInfo& model, const Retina* retina)
+  ParameterEvaluator(Validation& v, const Population& population, const ModelInfo& model, const RetinaSheet* retina)
       : v_(v), population_(population), model_(model), names_(neuron_environment(v, population, retina != nullptr)) {
     columns_.assign(kFirstSide + population.axes.size(), {});
     for (std::uint32_t i = 0; i < population.size; ++i) {
@@ -247,7 +247,7 @@ void report_unknown_parameter(Validation& v, const KeyedValue& keyed, const Mode
 }
 
 void apply_parameters(Validation& v, const Population& population, const ModelInfo& model,
-                      const std::vector<KeyedValue>& parameters, const Retina* retina, const NameDecl& owner) {
+                      const std::vector<KeyedValue>& parameters, const RetinaSheet* retina, const NameDecl& owner) {
   const std::size_t errors_before = v.diagnostics().error_count();
   ParameterEvaluator evaluator(v, population, model, retina);
   for (const KeyedValue& keyed : parameters) {
@@ -298,7 +298,7 @@ class PopulationValidator {
     v_.check_cites(decl.provenance);
     axes(decl, population);
     add_instances(population);
-    const Retina* retina = nullptr;
+    const RetinaSheet* retina = nullptr;
     const ModelInfo* model = nullptr;
     std::vector<KeyedValue> parameters;
     if (!decl.inputs.empty()) {
@@ -397,8 +397,8 @@ class PopulationValidator {
   }
 
   /// The retinas behind each side; they must be of one size. Returns the first.
-  const Retina* inputs(const PopulationDecl& decl, Population& population) {
-    const Retina* first = nullptr;
+  const RetinaSheet* inputs(const PopulationDecl& decl, Population& population) {
+    const RetinaSheet* first = nullptr;
     for (const InputUseDecl& use : decl.inputs) {
       const auto found = v_.retina_of.find(use.input.text);
       if (found == v_.retina_of.end()) {
@@ -407,7 +407,7 @@ class PopulationValidator {
             .help_if(nearest_name(use.input.text, names_of(v_.decl.retinas)), "did you mean `{}`?");
         continue;
       }
-      const Retina& retina = v_.circuit.retinas[found->second];
+      const RetinaSheet& retina = v_.circuit.retinas[found->second];
       is_usable_ = is_usable_ && v_.is_sound_retina[found->second];
       if (first != nullptr && retina.fields.size() != first->fields.size()) {
         v_.diagnostics().add(Code::SizesDiffer, use.input.span,

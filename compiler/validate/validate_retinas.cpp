@@ -1,4 +1,4 @@
-// Retina inputs: eye, frame, what is lit, and the tiling of receptive fields.
+// RetinaSheet inputs: eye, frame, what is lit, and the tiling of receptive fields.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::string without_blanks(std::string_view text) {
   return result;
 }
 
-void validate_channel(Validation& v, const NameDecl& decl, Retina& retina) {
+void validate_channel(Validation& v, const NameDecl& decl, RetinaSheet& retina) {
   const std::string text = without_blanks(decl.text);
   for (const ChannelSpelling& spelling : kChannels) {
     if (text == spelling.text) {
@@ -55,7 +55,7 @@ void validate_channel(Validation& v, const NameDecl& decl, Retina& retina) {
 }
 
 /// "any", or "lit >= 5 %".
-void validate_fires_when(Validation& v, const NameDecl& decl, Retina& retina) {
+void validate_fires_when(Validation& v, const NameDecl& decl, RetinaSheet& retina) {
   const std::string text = without_blanks(decl.text);
   if (text == "any") {
     return;
@@ -98,7 +98,7 @@ std::optional<double> pixels(Validation& v, const ValueDecl& value, std::string_
 
 struct Tiler {
   Validation& v;
-  Retina& retina;
+  RetinaSheet& retina;
   double centre_x;
   double centre_y;
 
@@ -204,7 +204,7 @@ struct Tiler {
   }
 };
 
-void validate_retina(Validation& v, const RetinaDecl& decl, Retina& retina) {
+void validate_retina(Validation& v, const RetinaDecl& decl, RetinaSheet& retina) {
   retina.name = decl.name.text;
   if (decl.eye.text == "left" || decl.eye.text == "right") {
     retina.eye = decl.eye.text == "left" ? Eye::Left : Eye::Right;

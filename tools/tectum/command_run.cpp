@@ -1,0 +1,290 @@
+// tectum run: a circuit on the simulated head, or on recorded video.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "drivers/camera/video_writer.h"
+#include "runtime/record/recording_file.h"
+#include "tools/analysis/simulated_run.h"
+#include "tools/analysis/video_run.h"
+#include "tools/report/run_report.h"
+#include "tools/report/run_text.h"
+#include "tools/tectum/load_circuit.h"
+#include "tools/tectum/progress.h"
+#include "tools/tectum/tectum_main.h"
+#include "tools/tectum/video_text.h"
+
+namespace tectum {
+namespace {
+
+struct RunArguments {
+  CircuitArguments circuit;
+  std::string scenario = "random";
+  std::vector<std::string> video;
+  double duration_s = 0;
+  std::uint64_t seed = 1;
+  double frame_rate_hz = 0;
+  unsigned camera_latency_frames = 1;
+  double hold_s = 1;
+  int resolution_px = 320;
+  double noise = 0;
+  bool clutter = false;
+  std::string dot = "red";
+  std::size_t lines = 40;
+  std::string record_folder, report_path, picture_path, render_path;
+};
+
+constexpr double kDefaultDurationS = 60;
+constexpr double kDefaultFrameRateHz = 45;  // the published loop
+
+void add_world_options(CLI::App& command, RunArguments& arguments) {
+  std::vector<std::string> scenarios(std::begin(kScenarioNames), std::end(kScenarioNames));
+  command.add_option("--scenario", arguments.scenario, "what the laser dot does: hold, step, circle, chirp or random")
+      ->check(CLI::IsMember(scenarios))
+      ->capture_default_str();
+  command
+      .add_option("--video", arguments.video, "run on recorded video instead: one file for both eyes, or left right")
+      ->expected(1, 2)
+      ->type_name("FILE");
+  command.add_option("--duration", arguments.duration_s, "seconds to run [60; for video: to its end]")
+      ->check(CLI::Range(0.02, 1e6))
+      ->type_name("S");
+  command.add_option("--seed", arguments.seed, "of the simulated world: target, servos, camera noise")
+      ->capture_default_str();
+  command.add_option("--frame-rate", arguments.frame_rate_hz, "frames a second [45; for video: the file's own]")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->type_name("HZ");
+  command.add_option("--camera-latency", arguments.camera_latency_frames, "frames from exposure to the loop")
+      ->check(CLI::Range(0U, 15U))
+      ->capture_default_str()
+      ->type_name("FRAMES");
+  command.add_option("--hold", arguments.hold_s, "seconds between the jumps of --scenario random")
+      ->check(CLI::Range(0.05, 1000.0))
+      ->capture_default_str()
+      ->type_name("S");
+  command.add_option("--resolution", arguments.resolution_px, "of each simulated camera, square")
+      ->check(CLI::Range(32, 2160))
+      ->capture_default_str()
+      ->type_name("PX");
+  command.add_option("--noise", arguments.noise, "of the simulated cameras, standard deviation in grey levels of 255")
+      ->check(CLI::Range(0.0, 64.0))
+      ->type_name("SIGMA");
+  command.add_flag("--clutter", arguments.clutter, "hang a textured wall with a bright window and coloured boxes");
+  command.add_option("--dot", arguments.dot, "the laser's colour: red, green or blue")
+      ->check(CLI::IsMember({"red", "green", "blue"}))
+      ->capture_default_str();
+}
+
+void add_output_options(CLI::App& command, RunArguments& arguments) {
+  command.add_option("--record", arguments.record_folder, "write run.trec and CSV files into this folder")
+      ->type_name("DIR");
+  command.add_option("--report", arguments.report_path, "write a self-contained HTML report")->type_name("FILE");
+  command.add_option("--picture", arguments.picture_path, "write one summary figure as SVG")->type_name("FILE");
+  command.add_option("--render", arguments.render_path, "write what the simulated cameras see as video")
+      ->type_name("FILE");
+  command.add_option("--lines", arguments.lines, "most lines to print of a video run; 0 prints every frame")
+      ->capture_default_str()
+      ->type_name("N");
+  command.footer(
+      "Examples:\n"
+      "  tectum run circuits/oculomotor.json                               a minute of random targets\n"
+      "  tectum run circuits/oculomotor.json --scenario step --duration 32 --report out/step.html\n"
+      "  tectum run circuits/oculomotor.json --video left.avi right.avi --record out/recording\n"
+      "  tectum run circuits/oculomotor.json --noise 8 --clutter --render out/eyes.mp4\n"
+      "  tectum run circuits/oculomotor.json --lesion OPN --format json    what is lost without the omnipause "
+      "neurons\n");
+}
+
+SimulatedRunOptions simulation_of(const RunArguments& arguments) {
+  SimulatedRunOptions options;
+  options.duration_s = arguments.duration_s > 0 ? arguments.duration_s : kDefaultDurationS;
+  SimHeadParams& head = options.head;
+  head.seed = arguments.seed;
+  const double rate_hz = arguments.frame_rate_hz > 0 ? arguments.frame_rate_hz : kDefaultFrameRateHz;
+  head.frame_period_ns = static_cast<TimeNs>(std::llround(1e9 / rate_hz));
+  head.camera_latency_frames = arguments.camera_latency_frames;
+  head.scenario.kind = scenario_from_name(arguments.scenario).value_or(ScenarioKind::Random);
+  head.scenario.random_hold_s = arguments.hold_s;
+  head.camera.width_px = arguments.resolution_px;
+  head.camera.height_px = arguments.resolution_px;
+  head.camera.noise_sigma = arguments.noise;
+  head.camera.clutter = arguments.clutter;
+  head.camera.dot_colour = arguments.dot == "green"  ? DotColour::Green
+                           : arguments.dot == "blue" ? DotColour::Blue
+                                                     : DotColour::Red;
+  return options;
+}
+
+bool write_text(const std::string& path, const std::string& text, CommandContext& context) {
+  std::error_code error;
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  if (!parent.empty()) {
+    std::filesystem::create_directories(parent, error);
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    context.err << fmt::format("tectum: cannot write {}\n", path);
+    context.exit_status = kExitFailed;
+    return false;
+  }
+  return true;
+}
+
+/// Opens on the first frame, whose size it takes.
+class RenderedVideo {
+ public:
+  RenderedVideo(std::string path, double fps) : path_(std::move(path)), fps_(fps) {}
+
+  void add(const Frame& left, const Frame& right) {
+    if (!error_.empty()) {
+      return;
+    }
+    if (writer_ == nullptr) {
+      std::error_code ignored;
+      std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+      writer_ = EyeVideoWriter::open(
+          {.path = path_, .fps = fps_, .width_px = left.width_px, .height_px = left.height_px}, error_);
+    }
+    if (writer_ != nullptr) {
+      writer_->write(left, right);
+    }
+  }
+  /// One line, or empty.
+  [[nodiscard]] std::string finish() {
+    if (error_.empty() && writer_ != nullptr && !writer_->close()) {
+      error_ = fmt::format("cannot write {}", path_);
+    }
+    return error_;
+  }
+
+ private:
+  std::string path_;
+  double fps_;
+  std::unique_ptr<EyeVideoWriter> writer_;
+  std::string error_;
+};
+
+std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
+  const SimulatedRunOptions options = simulation_of(arguments);
+  Progress progress(context.err, fmt::format("running {}", image.name(image.header.circuit_name)));
+  RunObserver observer;
+  observer.progress = [&](double done) { progress.update(done); };
+  std::optional<RenderedVideo> video;
+  if (!arguments.render_path.empty()) {
+    video.emplace(arguments.render_path, 1e9 / static_cast<double>(options.head.frame_period_ns));
+    observer.pictures = [&](const Frame& left, const Frame& right) { video->add(left, right); };
+  }
+  Recording recording = run_simulated_head(image, options, observer);
+  if (video) {
+    const std::string error = video->finish();
+    if (!error.empty()) {
+      context.err << fmt::format("tectum: {}\n", error);
+      context.exit_status = kExitFailed;
+      return std::nullopt;
+    }
+  }
+  return recording;
+}
+
+std::optional<Recording> run_video(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
+  if (image.retinas.empty()) {
+    context.err << fmt::format("tectum: {} has no retina, so there is nothing to show the video to\n",
+                               arguments.circuit.path);
+    context.exit_status = kExitFailed;
+    return std::nullopt;
+  }
+  Progress progress(context.err, "running on video");
+  RunObserver observer;
+  observer.progress = [&](double done) { progress.update(done); };
+  VideoRun run = run_on_video(image,
+                              {.files = arguments.video,
+                               .frame_rate_hz = arguments.frame_rate_hz,
+                               .duration_s = arguments.duration_s,
+                               .engine = {}},
+                              observer);
+  if (!run.error.empty()) {
+    context.err << fmt::format("tectum: {}\n", run.error);
+    context.exit_status = kExitFailed;
+    return std::nullopt;
+  }
+  return std::move(run.recording);
+}
+
+void write_files(const Recording& recording, const RunArguments& arguments, double times_real_time,
+                 CommandContext& context) {
+  if (!arguments.record_folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(arguments.record_folder, error);
+    std::string problem = write_recording(recording, arguments.record_folder + "/run.trec");
+    if (problem.empty()) {
+      problem = write_recording_csv(recording, arguments.record_folder);
+    }
+    if (!problem.empty()) {
+      context.err << fmt::format("tectum: {}\n", problem);
+      context.exit_status = kExitFailed;
+    }
+  }
+  if (!arguments.report_path.empty()) {
+    RunReportOptions options;
+    options.times_real_time = times_real_time;
+    if (write_text(arguments.report_path, run_report_html(recording, options), context)) {
+      context.err << fmt::format("report: {}\n", arguments.report_path);
+    }
+  }
+  if (!arguments.picture_path.empty()) {
+    (void)write_text(arguments.picture_path, tracking_svg(recording), context);
+  }
+}
+
+void run(const RunArguments& arguments, CommandContext& context) {
+  const bool is_video = !arguments.video.empty();
+  if (is_video && !arguments.render_path.empty()) {
+    context.err << "tectum: --render writes what the simulated cameras see; it does not go with --video\n";
+    context.exit_status = kExitUsage;
+    return;
+  }
+  const std::optional<SpikeImage> image = load_circuit(arguments.circuit, context, WarningPolicy::Quiet);
+  if (!image) {
+    return;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const std::optional<Recording> recording =
+      is_video ? run_video(*image, arguments, context) : run_head(*image, arguments, context);
+  if (!recording) {
+    return;
+  }
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double times_real_time = recording->duration_s / wall_s;
+  const RunSummary summary = summarize_run(*recording);
+  if (arguments.circuit.format == "json") {
+    context.out << run_summary_json(*recording, summary) << '\n';
+  } else {
+    if (is_video) {
+      context.out << video_text(*recording, arguments.lines);
+    }
+    context.out << run_table_text(summary);
+    context.err << fmt::format("{:.0f} s in {:.2f} s: {:.0f} times real time\n", recording->duration_s, wall_s,
+                               times_real_time);
+  }
+  write_files(*recording, arguments, times_real_time, context);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, CommandContext& context) {
+  CLI::App* command = app.add_subcommand("run", "run a circuit on the simulated head, or on recorded video");
+  auto arguments = std::make_shared<RunArguments>();
+  add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOrImage);
+  add_world_options(*command, *arguments);
+  add_output_options(*command, *arguments);
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace tectum

@@ -197,8 +197,8 @@ TEST_CASE("the fast retina equals the contract read pixel by pixel") {
 }
 
 TEST_CASE("a 1280x720 frame is encoded well within a 45 Hz period") {
-  // A foveated sheet: 1-pixel fields in the middle, growing outwards; prints what it takes, and allows ten times the
-  // aim, because a shared or sanitised machine is no stopwatch.
+  // A foveated sheet: 1-pixel fields in the middle. Prints what it takes; allows ten times the aim, because a shared
+  // machine is no stopwatch, and nothing in a build whose code is not the one that runs on the head.
   std::vector<FieldRecord> fields = grid_of_fields(90, 90, 720, 720);
   for (FieldRecord f : grid_of_fields(40, 40, 40, 40)) {
     fields.push_back({f.x0 + 340, f.y0 + 340, f.x1 + 340, f.y1 + 340});
@@ -233,6 +233,8 @@ TEST_CASE("a 1280x720 frame is encoded well within a 45 Hz period") {
   const double all_ms = best_ms();
   CHECK(retina.active().size() == fields.size());
   MESSAGE("1280x720, ", fields.size(), " fields: ", dot_ms, " ms with a dot, ", all_ms, " ms all lit");
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   CHECK(dot_ms < 10);
   CHECK(all_ms < 20);
+#endif
 }

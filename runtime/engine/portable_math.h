@@ -56,7 +56,9 @@ struct ExpParts {
   double fraction;     // e^r - 1
 };
 inline ExpParts exp_parts(double x) noexcept {
-  const double clamped = x < -760.0 ? -760.0 : (x > 720.0 ? 720.0 : x);  // beyond: 0 and infinity
+  // Beyond these lie 0 and infinity. One comparison a line, each a minimum or maximum instruction; NaN stays.
+  const double above = x < -760.0 ? -760.0 : x;
+  const double clamped = above > 720.0 ? 720.0 : above;
   const double n = round_to_whole(clamped * (1.0 / kLn2));
   const double r = (clamped - n * kLn2High) - n * kLn2Low;
   const double half = round_to_whole(n * 0.5);
@@ -65,23 +67,22 @@ inline ExpParts exp_parts(double x) noexcept {
 
 inline double exp(double x) noexcept {
   const ExpParts parts = exp_parts(x);
-  const double value = (parts.half_scale + parts.half_scale * parts.fraction) * parts.other_scale;
-  return x != x ? x : value;
+  return (parts.half_scale + parts.half_scale * parts.fraction) * parts.other_scale;
 }
 
 /// e^x - 1 without cancellation near 0.
 inline double expm1(double x) noexcept {
   const ExpParts parts = exp_parts(x);
   const double scale = parts.half_scale * parts.other_scale;
-  const double value = scale == 1.0 ? parts.fraction : exp(x) - 1.0;
-  return x != x ? x : value;
+  return scale == 1.0 || x != x ? parts.fraction : exp(x) - 1.0;
 }
 
 /// (e^x - 1) / x, 1 for x = 0.
 inline double exp_ratio(double x) noexcept {
   const double near = exp_ratio_series(x);
   const double far = (exp(x) - 1.0) / x;
-  return x > -0.34 && x < 0.34 ? near : far;
+  const double size = x < 0 ? -x : x;
+  return size < 0.34 ? near : far;
 }
 
 /// Natural logarithm: x = 2^e m with m in [sqrt(1/2), sqrt(2)), s = (m - 1) / (m + 1),
@@ -111,8 +112,9 @@ inline double log(double x) noexcept {
   sum = sum * z + 1.0 / 3.0;
   const double tail = 2.0 * s * z * sum;
   const double value = e * kLn2High + (2.0 * s + (tail + e * kLn2Low));
-  const double edge = x == 0.0 ? -kInfinity : (x < 0.0 ? kNaN : x);  // infinity and NaN stay
-  return x > 0.0 && x < kInfinity ? value : edge;
+  const double positive = x < kInfinity ? value : x;  // infinity and NaN stay
+  const double defined = x < 0.0 ? kNaN : positive;
+  return x == 0.0 ? -kInfinity : defined;
 }
 
 inline double log2(double x) noexcept {

@@ -20,8 +20,9 @@ struct ProgramBlock {
   std::span<double* const> states;
   std::span<const double* const> inputs;
   std::span<const double* const> columns;
-  std::uint32_t* refractory;  // ticks left
-  std::size_t neuron_count;   // the values beyond are computed and ignored
+  std::uint32_t* refractory;     // ticks left
+  std::uint64_t* is_refractory;  // bit i: refractory[i] > 0
+  std::size_t neuron_count;      // the values beyond are computed and ignored
 };
 
 class ProgramRunner {
@@ -38,12 +39,14 @@ class ProgramRunner {
   [[nodiscard]] std::uint64_t run(const ProgramBlock& block) noexcept;
 
  private:
-  using RunSteps = void (*)(std::span<const ProgramStep> steps, double* const* places) noexcept;
+  /// Runs the steps, then clears the dust of the first `dusty_states` states.
+  using RunSteps = void (*)(std::span<const ProgramStep> steps, double* const* places,
+                            std::size_t dusty_states) noexcept;
 
   void bind(const ProgramBlock& block) noexcept;
-  void save_states(std::uint32_t mask) noexcept;
-  void restore_states(std::uint32_t mask, std::uint64_t neurons) noexcept;
-  void remove_dust() noexcept;
+  void save_held(std::uint64_t neurons) noexcept;
+  void restore_held(std::uint64_t neurons) noexcept;
+  void reset_neurons(std::uint64_t neurons) noexcept;
 
   ProgramHeader header_;
   std::vector<std::uint32_t> initial_;

@@ -15,6 +15,7 @@ ProgramGroup::ProgramGroup(const SpikeImage& image, const GroupRecord& group, Si
   initial_.resize(header.state_count * padded_);
   columns_.resize(header.column_count * padded_);
   refractory_.resize(padded_);
+  is_refractory_.resize(padded_ / kProgramBlock);
   last_inputs_.resize(header.input_count * kProgramBlock);
   state_places_.resize(header.state_count);
   input_places_.resize(header.input_count);
@@ -35,6 +36,7 @@ ProgramGroup::ProgramGroup(const SpikeImage& image, const GroupRecord& group, Si
 void ProgramGroup::reset() noexcept {
   std::copy(initial_.begin(), initial_.end(), states_.begin());
   std::fill(refractory_.begin(), refractory_.end(), 0U);
+  std::fill(is_refractory_.begin(), is_refractory_.end(), std::uint64_t{0});
   inputs_.reset();
 }
 
@@ -56,8 +58,8 @@ void ProgramGroup::advance(GroupTick& tick) noexcept {
       }
       input_places_[r] = count < kProgramBlock ? last : values;
     }
-    std::uint64_t fired =
-        runner_.run({state_places_, input_places_, column_places_, refractory_.data() + begin, count});
+    std::uint64_t fired = runner_.run({state_places_, input_places_, column_places_, refractory_.data() + begin,
+                                       &is_refractory_[begin / kProgramBlock], count});
     for (; fired != 0; fired &= fired - 1) {
       tick.fire(static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(std::countr_zero(fired)));
     }

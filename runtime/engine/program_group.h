@@ -28,7 +28,8 @@ class ProgramGroup final : public UpdateGroup {
   std::vector<double> states_;   // [state][padded]
   std::vector<double> columns_;  // [column][padded]
   std::vector<std::uint32_t> refractory_;
-  std::vector<double> last_inputs_;  // [receptor][kProgramBlock], of the block that is not full
+  std::vector<std::uint64_t> is_refractory_;  // [block]
+  std::vector<double> last_inputs_;           // [receptor][kProgramBlock], of the block that is not full
   std::vector<double*> state_places_;
   std::vector<const double*> input_places_;
   std::vector<const double*> column_places_;

@@ -42,12 +42,13 @@ struct Run {
   BlockArray input{};
   BlockArray column{};
   std::array<std::uint32_t, kProgramBlock> refractory{};
+  std::uint64_t is_refractory = 0;
 
   std::uint64_t tick(ProgramRunner& runner, std::size_t count = kProgramBlock) {
     double* states[] = {v.data()};
     const double* inputs[] = {input.data()};
     const double* columns[] = {column.data()};
-    return runner.run({states, inputs, columns, refractory.data(), count});
+    return runner.run({states, inputs, columns, refractory.data(), &is_refractory, count});
   }
 };
 
@@ -146,7 +147,7 @@ TEST_CASE("every operation, on every instruction set") {
       ProgramRunner runner(program.words(), constants, simd);
       Run run;
       double* states[] = {run.v.data()};
-      static_cast<void>(runner.run({states, {}, {}, run.refractory.data(), kProgramBlock}));
+      static_cast<void>(runner.run({states, {}, {}, run.refractory.data(), &run.is_refractory, kProgramBlock}));
       CHECK(run.v[0] == row.expected);
       CHECK(run.v[kProgramBlock - 1] == row.expected);
     }

@@ -18,23 +18,21 @@ class VideoSource {
   /// replaces the file's own frame rate. Returns null with one clear line in `error` when it cannot be read.
   [[nodiscard]] static std::unique_ptr<VideoSource> open(const std::string& path, std::string& error,
                                                          double fps_override = 0);
-  ~VideoSource();
+  VideoSource() = default;
+  VideoSource(const VideoSource&) = delete;
+  VideoSource& operator=(const VideoSource&) = delete;
+  virtual ~VideoSource() = default;
 
   /// A view of the recording; both views show the same frames. They belong to the source.
-  [[nodiscard]] Camera& view(Eye eye) noexcept;
+  [[nodiscard]] virtual Camera& view(Eye eye) noexcept = 0;
 
-  [[nodiscard]] int width_px() const noexcept;
-  [[nodiscard]] int height_px() const noexcept;
-  [[nodiscard]] double fps() const noexcept;
+  [[nodiscard]] virtual int width_px() const noexcept = 0;
+  [[nodiscard]] virtual int height_px() const noexcept = 0;
+  [[nodiscard]] virtual double fps() const noexcept = 0;
   /// What the file says; 0 when it does not. Recordings that were cut short say too much.
-  [[nodiscard]] std::uint64_t frame_count() const noexcept;
+  [[nodiscard]] virtual std::uint64_t frame_count() const noexcept = 0;
   /// When frame `sequence` is due.
-  [[nodiscard]] TimeNs due_ns(std::uint64_t sequence) const noexcept;
-
- private:
-  struct Impl;
-  explicit VideoSource(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual TimeNs due_ns(std::uint64_t sequence) const noexcept = 0;
 };
 
 }  // namespace tectum

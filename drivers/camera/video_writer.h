@@ -27,22 +27,20 @@ class EyeVideoWriter {
  public:
   /// Null with one clear line in `error` when the file cannot be written.
   [[nodiscard]] static std::unique_ptr<EyeVideoWriter> open(const VideoWriterParams& params, std::string& error);
-  ~EyeVideoWriter();
+  EyeVideoWriter() = default;
+  EyeVideoWriter(const EyeVideoWriter&) = delete;
+  EyeVideoWriter& operator=(const EyeVideoWriter&) = delete;
+  virtual ~EyeVideoWriter() = default;
 
   /// One turn of the loop. A frame without pixels, or of another size, repeats that eye's last picture (black at
   /// first).
-  void write(const Frame& left, const Frame& right);
+  virtual void write(const Frame& left, const Frame& right) = 0;
   /// Finishes the files. False when nothing could be written; also done by the destructor.
-  [[nodiscard]] bool close();
+  [[nodiscard]] virtual bool close() = 0;
 
   /// The file or files, for the user.
-  [[nodiscard]] const std::string& left_path() const noexcept;
-  [[nodiscard]] const std::string& right_path() const noexcept;
-
- private:
-  struct Impl;
-  explicit EyeVideoWriter(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual const std::string& left_path() const noexcept = 0;
+  [[nodiscard]] virtual const std::string& right_path() const noexcept = 0;
 };
 
 }  // namespace tectum

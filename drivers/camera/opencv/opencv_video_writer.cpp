@@ -1,3 +1,4 @@
+#include "drivers/camera/video_library.h"
 #include "drivers/camera/video_writer.h"
 
 #include <algorithm>
@@ -67,19 +68,18 @@ std::string refusal(const VideoWriterParams& params) {
   return "";
 }
 
-}  // namespace
+class OpenCvVideoWriter final : public EyeVideoWriter {
+ public:
+  [[nodiscard]] bool open(const VideoWriterParams& params, std::string& error);
 
-struct EyeVideoWriter::Impl {
-  VideoWriterParams params;
-  std::array<std::string, 2> paths;
-  std::array<cv::VideoWriter, 2> writers;  // the second one only for a file an eye
-  // Both eyes side by side; for a file an eye, each its own half. Even sizes: H.264 halves its colours' resolution.
-  cv::Mat canvas;
-  std::array<cv::Mat, 2> halves;
-  std::uint64_t written = 0;
+  void write(const Frame& left, const Frame& right) override;
+  [[nodiscard]] bool close() override;
+  [[nodiscard]] const std::string& left_path() const noexcept override { return paths_[0]; }
+  [[nodiscard]] const std::string& right_path() const noexcept override { return paths_[1]; }
 
+ private:
   void take(const Frame& frame, cv::Mat& half) const {
-    if (frame.bgr == nullptr || frame.width_px != params.width_px || frame.height_px != params.height_px) {
+    if (frame.bgr == nullptr || frame.width_px != params_.width_px || frame.height_px != params_.height_px) {
       return;
     }
     for (int y = 0; y < frame.height_px; ++y) {
@@ -87,67 +87,74 @@ struct EyeVideoWriter::Impl {
       std::copy_n(row, 3 * frame.width_px, half.ptr(y));
     }
   }
+
+  VideoWriterParams params_;
+  std::array<std::string, 2> paths_;
+  std::array<cv::VideoWriter, 2> writers_;  // the second one only for a file an eye
+  // Both eyes side by side; for a file an eye, each its own half. Even sizes: H.264 halves its colours' resolution.
+  cv::Mat canvas_;
+  std::array<cv::Mat, 2> halves_;
+  std::uint64_t written_ = 0;
 };
 
-EyeVideoWriter::EyeVideoWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-EyeVideoWriter::~EyeVideoWriter() = default;
-
-std::unique_ptr<EyeVideoWriter> EyeVideoWriter::open(const VideoWriterParams& params, std::string& error) {
+bool OpenCvVideoWriter::open(const VideoWriterParams& params, std::string& error) {
   error = refusal(params);
   if (!error.empty()) {
-    return nullptr;
+    return false;
   }
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  auto impl = std::make_unique<Impl>();
-  impl->params = params;
+  params_ = params;
   const bool together = params.layout == VideoLayout::SideBySide;
   const cv::Size half_px((params.width_px + 1) / 2 * 2, (params.height_px + 1) / 2 * 2);
-  impl->canvas = cv::Mat::zeros(half_px.height, 2 * half_px.width, CV_8UC3);
+  canvas_ = cv::Mat::zeros(half_px.height, 2 * half_px.width, CV_8UC3);
   for (int eye = 0; eye < 2; ++eye) {
-    auto& half = impl->halves[static_cast<std::size_t>(eye)];
-    half = together ? impl->canvas(cv::Rect({eye * half_px.width, 0}, half_px)) : cv::Mat::zeros(half_px, CV_8UC3);
+    auto& half = halves_[static_cast<std::size_t>(eye)];
+    half = together ? canvas_(cv::Rect({eye * half_px.width, 0}, half_px)) : cv::Mat::zeros(half_px, CV_8UC3);
   }
-  impl->paths = {together ? params.path : eye_path(params.path, "left"),
-                 together ? params.path : eye_path(params.path, "right")};
+  paths_ = {together ? params.path : eye_path(params.path, "left"),
+            together ? params.path : eye_path(params.path, "right")};
   try {
     for (std::size_t file = 0; file < (together ? 1U : 2U); ++file) {
-      if (!open_any(impl->writers[file], impl->paths[file], params.fps, together ? impl->canvas.size() : half_px)) {
-        error = "`" + impl->paths[file] + "` cannot be written";
-        return nullptr;
+      if (!open_any(writers_[file], paths_[file], params.fps, together ? canvas_.size() : half_px)) {
+        error = "`" + paths_[file] + "` cannot be written";
+        return false;
       }
     }
   } catch (const cv::Exception& failure) {
     error = "`" + params.path + "` cannot be written: " + failure.err;
-    return nullptr;
+    return false;
   }
-  return std::unique_ptr<EyeVideoWriter>(new EyeVideoWriter(std::move(impl)));
+  return true;
 }
 
-void EyeVideoWriter::write(const Frame& left, const Frame& right) {
-  impl_->take(left, impl_->halves[0]);
-  impl_->take(right, impl_->halves[1]);
-  if (impl_->params.layout == VideoLayout::SideBySide) {
-    impl_->writers[0].write(impl_->canvas);
+void OpenCvVideoWriter::write(const Frame& left, const Frame& right) {
+  take(left, halves_[0]);
+  take(right, halves_[1]);
+  if (params_.layout == VideoLayout::SideBySide) {
+    writers_[0].write(canvas_);
   } else {
-    impl_->writers[0].write(impl_->halves[0]);
-    impl_->writers[1].write(impl_->halves[1]);
+    writers_[0].write(halves_[0]);
+    writers_[1].write(halves_[1]);
   }
-  ++impl_->written;
+  ++written_;
 }
 
-bool EyeVideoWriter::close() {
-  impl_->writers[0].release();
-  impl_->writers[1].release();
+bool OpenCvVideoWriter::close() {
+  writers_[0].release();
+  writers_[1].release();
   std::error_code failure;
-  return impl_->written > 0 &&
-         std::all_of(impl_->paths.begin(), impl_->paths.end(), [&failure](const std::string& path) {
+  return written_ > 0 && std::all_of(paths_.begin(), paths_.end(), [&failure](const std::string& path) {
            const auto bytes = fs::file_size(path, failure);
            return !failure && bytes > 0;
          });
 }
 
-const std::string& EyeVideoWriter::left_path() const noexcept { return impl_->paths[0]; }
-const std::string& EyeVideoWriter::right_path() const noexcept { return impl_->paths[1]; }
+}  // namespace
+
+extern "C" EyeVideoWriter* tectum_open_video_writer(const VideoWriterParams& params, std::string& error) {
+  auto writer = std::make_unique<OpenCvVideoWriter>();
+  return writer->open(params, error) ? writer.release() : nullptr;
+}
 
 }  // namespace tectum

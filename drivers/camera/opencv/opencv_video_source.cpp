@@ -1,4 +1,5 @@
 #include "drivers/camera/video_camera.h"
+#include "drivers/camera/video_library.h"
 
 #include <array>
 #include <cmath>
@@ -14,6 +15,8 @@ namespace tectum {
 namespace {
 
 constexpr double kImagesFps = 25;  // image sequences carry no rate
+// A loop whose period is rounded to a nanosecond must not fall behind the recording by a frame.
+constexpr double kDueTolerance = 1.0 / 16;  // of a frame
 constexpr int kBuffers = 3;        // one held by each view, one to decode into
 
 // OpenCV and FFmpeg print their own guesses about a bad file; one line of ours is enough.
@@ -55,9 +58,20 @@ std::string path_error(const std::string& path) {
   return "";
 }
 
-}  // namespace
+class OpenCvVideoSource final : public VideoSource {
+ public:
+  [[nodiscard]] bool open(const std::string& path, std::string& error, double fps_override);
 
-struct VideoSource::Impl {
+  [[nodiscard]] Camera& view(Eye eye) noexcept override { return views_[static_cast<std::size_t>(eye)]; }
+  [[nodiscard]] int width_px() const noexcept override { return width_px_; }
+  [[nodiscard]] int height_px() const noexcept override { return height_px_; }
+  [[nodiscard]] double fps() const noexcept override { return fps_; }
+  [[nodiscard]] std::uint64_t frame_count() const noexcept override { return frame_count_; }
+  [[nodiscard]] TimeNs due_ns(std::uint64_t sequence) const noexcept override {
+    return static_cast<TimeNs>(std::llround(static_cast<double>(sequence) * 1e9 / fps_));
+  }
+
+ private:
   // A frame stays in its buffer as long as a view shows it.
   struct Buffer {
     cv::Mat bgr;
@@ -67,7 +81,7 @@ struct VideoSource::Impl {
 
   class View final : public Camera {
    public:
-    explicit View(Impl& source) : source_(source) {}
+    explicit View(OpenCvVideoSource& source) : source_(source) {}
 
     CameraStatus read(TimeNs now_ns, Frame& out) noexcept override {
       const CameraStatus status = source_.decode_up_to(now_ns);
@@ -89,24 +103,21 @@ struct VideoSource::Impl {
     }
 
    private:
-    Impl& source_;
+    OpenCvVideoSource& source_;
     int held_ = -1;
   };
-
-  [[nodiscard]] TimeNs due_ns(std::uint64_t sequence) const noexcept {
-    return static_cast<TimeNs>(std::llround(static_cast<double>(sequence) * 1e9 / fps_));
-  }
 
   // Leaves the newest frame due at `now_ns` in buffers_[newest_]. Ended once a frame is due that is not there.
   CameraStatus decode_up_to(TimeNs now_ns) noexcept {
     try {
-      while (!ended_ && due_ns(next_) <= now_ns) {
+      const TimeNs horizon_ns = now_ns + static_cast<TimeNs>(kDueTolerance * 1e9 / fps_);
+      while (!ended_ && due_ns(next_) <= horizon_ns) {
         if (!capture_.grab()) {
           ended_ = true;
           break;
         }
         ++next_;
-        if (due_ns(next_) <= now_ns) {
+        if (due_ns(next_) <= horizon_ns) {
           continue;  // superseded before anyone could see it
         }
         const int free = free_buffer();
@@ -147,44 +158,40 @@ struct VideoSource::Impl {
   std::array<View, kEyeCount> views_ = {View(*this), View(*this)};
 };
 
-VideoSource::VideoSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-VideoSource::~VideoSource() = default;
-
-std::unique_ptr<VideoSource> VideoSource::open(const std::string& path, std::string& error, double fps_override) {
+bool OpenCvVideoSource::open(const std::string& path, std::string& error, double fps_override) {
   error = path_error(path);
   if (!error.empty()) {
-    return nullptr;
+    return false;
   }
   silence_decoders();
-  auto impl = std::make_unique<Impl>();
   try {
-    if (!open_file(impl->capture_, path)) {
+    if (!open_file(capture_, path)) {
       error = path.find('%') != std::string::npos ? "no images match `" + path + "`"
                                                   : "`" + path + "` is not a video or image that OpenCV can read";
-      return nullptr;
+      return false;
     }
-    impl->width_px_ = cvRound(impl->capture_.get(cv::CAP_PROP_FRAME_WIDTH));
-    impl->height_px_ = cvRound(impl->capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
-    const double fps = impl->capture_.get(cv::CAP_PROP_FPS);
-    const double frames = impl->capture_.get(cv::CAP_PROP_FRAME_COUNT);
-    impl->fps_ = fps_override > 0 ? fps_override : std::isfinite(fps) && fps > 0 && fps < 10000 ? fps : kImagesFps;
-    impl->frame_count_ = frames > 0 && frames < 1e12 ? static_cast<std::uint64_t>(frames) : 0;
+    width_px_ = cvRound(capture_.get(cv::CAP_PROP_FRAME_WIDTH));
+    height_px_ = cvRound(capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
+    const double fps = capture_.get(cv::CAP_PROP_FPS);
+    const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    fps_ = fps_override > 0 ? fps_override : std::isfinite(fps) && fps > 0 && fps < 10000 ? fps : kImagesFps;
+    frame_count_ = frames > 0 && frames < 1e12 ? static_cast<std::uint64_t>(frames) : 0;
   } catch (const cv::Exception& failure) {
     error = "`" + path + "` cannot be read: " + failure.err;
-    return nullptr;
+    return false;
   }
-  if (impl->width_px_ <= 0 || impl->height_px_ <= 0) {
+  if (width_px_ <= 0 || height_px_ <= 0) {
     error = "`" + path + "` holds no picture";
-    return nullptr;
+    return false;
   }
-  return std::unique_ptr<VideoSource>(new VideoSource(std::move(impl)));
+  return true;
 }
 
-Camera& VideoSource::view(Eye eye) noexcept { return impl_->views_[static_cast<std::size_t>(eye)]; }
-int VideoSource::width_px() const noexcept { return impl_->width_px_; }
-int VideoSource::height_px() const noexcept { return impl_->height_px_; }
-double VideoSource::fps() const noexcept { return impl_->fps_; }
-std::uint64_t VideoSource::frame_count() const noexcept { return impl_->frame_count_; }
-TimeNs VideoSource::due_ns(std::uint64_t sequence) const noexcept { return impl_->due_ns(sequence); }
+}  // namespace
+
+extern "C" VideoSource* tectum_open_video_source(const std::string& path, std::string& error, double fps_override) {
+  auto source = std::make_unique<OpenCvVideoSource>();
+  return source->open(path, error, fps_override) ? source.release() : nullptr;
+}
 
 }  // namespace tectum

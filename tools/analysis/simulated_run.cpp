@@ -25,6 +25,19 @@ class WatchedCamera final : public Camera {
   Frame last_;
 };
 
+DotColour colour_for(LitChannel channel) {
+  switch (channel) {
+    case LitChannel::Green:
+    case LitChannel::GreenOverRedBlue:
+      return DotColour::Green;
+    case LitChannel::Blue:
+    case LitChannel::BlueOverRedGreen:
+      return DotColour::Blue;
+    default:
+      return DotColour::Red;
+  }
+}
+
 void add_truth(const HeadTruth& truth, RecordedFrame& frame) {
   frame.has_truth = true;
   frame.target_on_wall_m = truth.target_on_wall_m;
@@ -42,15 +55,16 @@ void add_truth(const HeadTruth& truth, RecordedFrame& frame) {
 
 }  // namespace
 
-SimHeadParams with_view_of(const SpikeImage& image, SimHeadParams head) {
+SimHeadParams fitted_to(const SpikeImage& image, SimHeadParams head) {
   if (!image.retinas.empty()) {
     head.camera.field_of_view_deg = image.retinas.front().field_of_view_deg;
+    head.camera.dot_colour = colour_for(image.retinas.front().lit_channel);
   }
   return head;
 }
 
 Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions& options, const RunObserver& observer) {
-  SimHead head(with_view_of(image, options.head));
+  SimHead head(options.head);
   WatchedCamera left(head.eye_camera(Eye::Left));
   WatchedCamera right(head.eye_camera(Eye::Right));
   RunRecorder recorder(image);

@@ -16,9 +16,9 @@ struct SimulatedRunOptions {
   EngineOptions engine;
 };
 
-/// The head's cameras see what the circuit's retinas expect: their field of view becomes the cameras'.
-/// Without a retina the parameters come back as they are.
-[[nodiscard]] SimHeadParams with_view_of(const SpikeImage& image, SimHeadParams head);
+/// The head's cameras and laser as the circuit's first retina expects them: its field of view, and a dot in the colour
+/// that it calls lit. Without a retina the parameters come back as they are.
+[[nodiscard]] SimHeadParams fitted_to(const SpikeImage& image, SimHeadParams head);
 
 /// Called after every frame with the share of the run that is done, and the two eyes' pictures.
 struct RunObserver {

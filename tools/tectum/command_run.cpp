@@ -34,7 +34,7 @@ struct RunArguments {
   int resolution_px = 320;
   double noise = 0;
   bool clutter = false;
-  std::string dot = "red";
+  std::string dot;
   std::size_t lines = 40;
   std::string record_folder, report_path, picture_path, render_path;
 };
@@ -75,9 +75,9 @@ void add_world_options(CLI::App& command, RunArguments& arguments) {
       ->check(CLI::Range(0.0, 64.0))
       ->type_name("SIGMA");
   command.add_flag("--clutter", arguments.clutter, "hang a textured wall with a bright window and coloured boxes");
-  command.add_option("--dot", arguments.dot, "the laser's colour: red, green or blue")
-      ->check(CLI::IsMember({"red", "green", "blue"}))
-      ->capture_default_str();
+  command
+      .add_option("--dot", arguments.dot, "the laser's colour: red, green or blue [the one that the retina looks for]")
+      ->check(CLI::IsMember({"red", "green", "blue"}));
 }
 
 void add_output_options(CLI::App& command, RunArguments& arguments) {
@@ -100,8 +100,9 @@ void add_output_options(CLI::App& command, RunArguments& arguments) {
       "neurons\n");
 }
 
-SimulatedRunOptions simulation_of(const RunArguments& arguments) {
+SimulatedRunOptions simulation_of(const SpikeImage& image, const RunArguments& arguments) {
   SimulatedRunOptions options;
+  options.head = fitted_to(image, options.head);
   options.duration_s = arguments.duration_s > 0 ? arguments.duration_s : kDefaultDurationS;
   SimHeadParams& head = options.head;
   head.seed = arguments.seed;
@@ -114,9 +115,11 @@ SimulatedRunOptions simulation_of(const RunArguments& arguments) {
   head.camera.height_px = arguments.resolution_px;
   head.camera.noise_sigma = arguments.noise;
   head.camera.clutter = arguments.clutter;
-  head.camera.dot_colour = arguments.dot == "green"  ? DotColour::Green
-                           : arguments.dot == "blue" ? DotColour::Blue
-                                                     : DotColour::Red;
+  if (!arguments.dot.empty()) {
+    head.camera.dot_colour = arguments.dot == "green"  ? DotColour::Green
+                             : arguments.dot == "blue" ? DotColour::Blue
+                                                       : DotColour::Red;
+  }
   return options;
 }
 
@@ -172,7 +175,7 @@ class RenderedVideo {
 };
 
 std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
-  const SimulatedRunOptions options = simulation_of(arguments);
+  const SimulatedRunOptions options = simulation_of(image, arguments);
   Progress progress(context.err, fmt::format("running {}", image.name(image.header.circuit_name)));
   RunObserver observer;
   observer.progress = [&](double done) { progress.update(done); };

@@ -25,12 +25,12 @@ class Parameters {
   std::size_t size_ = 0;
 };
 
-FrameBytes encode_instruction(std::uint8_t id, Instruction instruction, const Parameters& parameters) noexcept {
+PacketBytes encode_instruction(std::uint8_t id, Instruction instruction, const Parameters& parameters) noexcept {
   return encode(id, static_cast<std::uint8_t>(instruction), parameters.all());
 }
 
-FrameBytes encode_addressed(std::uint8_t id, Instruction instruction, std::uint8_t address,
-                            std::span<const std::uint8_t> data) noexcept {
+PacketBytes encode_addressed(std::uint8_t id, Instruction instruction, std::uint8_t address,
+                             std::span<const std::uint8_t> data) noexcept {
   Parameters parameters;
   parameters.add(address);
   parameters.add(data);
@@ -47,42 +47,42 @@ std::uint8_t checksum(std::span<const std::uint8_t> id_to_last_parameter) noexce
   return static_cast<std::uint8_t>(~sum & 0xFFU);
 }
 
-FrameBytes encode(std::uint8_t id, std::uint8_t code, std::span<const std::uint8_t> parameters) noexcept {
+PacketBytes encode(std::uint8_t id, std::uint8_t code, std::span<const std::uint8_t> parameters) noexcept {
   const std::size_t count = std::min(parameters.size(), kMaxParameters);
-  FrameBytes frame;
+  PacketBytes frame;
   frame.data[0] = kHeader;
   frame.data[1] = kHeader;
   frame.data[kIdAt] = id;
   frame.data[kLengthAt] = static_cast<std::uint8_t>(count + kLengthOverhead);
   frame.data[kCodeAt] = code;
   std::copy_n(parameters.begin(), count, frame.data.begin() + kCodeAt + 1);
-  frame.size = count + kFrameOverhead;
+  frame.size = count + kPacketOverhead;
   frame.data[frame.size - 1] = checksum(std::span(frame.data).subspan(kIdAt, frame.size - kIdAt - 1));
   return frame;
 }
 
-FrameBytes encode_ping(std::uint8_t id) noexcept { return encode_instruction(id, Instruction::Ping, Parameters{}); }
+PacketBytes encode_ping(std::uint8_t id) noexcept { return encode_instruction(id, Instruction::Ping, Parameters{}); }
 
-FrameBytes encode_read(std::uint8_t id, std::uint8_t address, std::uint8_t count) noexcept {
+PacketBytes encode_read(std::uint8_t id, std::uint8_t address, std::uint8_t count) noexcept {
   return encode_addressed(id, Instruction::Read, address, std::array{count});
 }
 
-FrameBytes encode_write(std::uint8_t id, std::uint8_t address, std::span<const std::uint8_t> data) noexcept {
+PacketBytes encode_write(std::uint8_t id, std::uint8_t address, std::span<const std::uint8_t> data) noexcept {
   return encode_addressed(id, Instruction::Write, address, data);
 }
 
-FrameBytes encode_reg_write(std::uint8_t id, std::uint8_t address, std::span<const std::uint8_t> data) noexcept {
+PacketBytes encode_reg_write(std::uint8_t id, std::uint8_t address, std::span<const std::uint8_t> data) noexcept {
   return encode_addressed(id, Instruction::RegWrite, address, data);
 }
 
-FrameBytes encode_action() noexcept { return encode_instruction(kBroadcastId, Instruction::Action, Parameters{}); }
+PacketBytes encode_action() noexcept { return encode_instruction(kBroadcastId, Instruction::Action, Parameters{}); }
 
-FrameBytes encode_factory_reset(std::uint8_t id) noexcept {
+PacketBytes encode_factory_reset(std::uint8_t id) noexcept {
   return encode_instruction(id, Instruction::FactoryReset, Parameters{});
 }
 
-FrameBytes encode_sync_write(std::uint8_t address, std::uint8_t size_each, std::span<const std::uint8_t> ids,
-                             std::span<const std::uint8_t> data) noexcept {
+PacketBytes encode_sync_write(std::uint8_t address, std::uint8_t size_each, std::span<const std::uint8_t> ids,
+                              std::span<const std::uint8_t> data) noexcept {
   Parameters parameters;
   parameters.add(address);
   parameters.add(size_each);
@@ -93,7 +93,7 @@ FrameBytes encode_sync_write(std::uint8_t address, std::uint8_t size_each, std::
   return encode_instruction(kBroadcastId, Instruction::SyncWrite, parameters);
 }
 
-FrameBytes encode_sync_read(std::uint8_t address, std::uint8_t size_each, std::span<const std::uint8_t> ids) noexcept {
+PacketBytes encode_sync_read(std::uint8_t address, std::uint8_t size_each, std::span<const std::uint8_t> ids) noexcept {
   Parameters parameters;
   parameters.add(address);
   parameters.add(size_each);
@@ -101,7 +101,7 @@ FrameBytes encode_sync_read(std::uint8_t address, std::uint8_t size_each, std::s
   return encode_instruction(kBroadcastId, Instruction::SyncRead, parameters);
 }
 
-FrameBytes encode_bulk_read(std::span<const BulkReadItem> items) noexcept {
+PacketBytes encode_bulk_read(std::span<const BulkReadItem> items) noexcept {
   Parameters parameters;
   parameters.add(std::uint8_t{0});
   for (const BulkReadItem& item : items) {
@@ -112,7 +112,7 @@ FrameBytes encode_bulk_read(std::span<const BulkReadItem> items) noexcept {
   return encode_instruction(kBroadcastId, Instruction::BulkRead, parameters);
 }
 
-FrameBytes encode_status(std::uint8_t id, std::uint8_t error_bits, std::span<const std::uint8_t> parameters) noexcept {
+PacketBytes encode_status(std::uint8_t id, std::uint8_t error_bits, std::span<const std::uint8_t> parameters) noexcept {
   return encode(id, error_bits, parameters);
 }
 

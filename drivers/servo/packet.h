@@ -18,10 +18,10 @@ inline constexpr std::uint8_t kHeader = 0xFF;  // twice
 inline constexpr std::size_t kIdAt = 2;
 inline constexpr std::size_t kLengthAt = 3;
 inline constexpr std::size_t kCodeAt = 4;           // instruction, or error bits
-inline constexpr std::size_t kFrameOverhead = 6;    // header, ID, LEN, code, checksum
+inline constexpr std::size_t kPacketOverhead = 6;   // header, ID, LEN, code, checksum
 inline constexpr std::size_t kLengthOverhead = 2;   // LEN counts the code and the checksum
 inline constexpr std::size_t kMaxParameters = 253;  // LEN is one byte
-inline constexpr std::size_t kMaxFrame = kMaxParameters + kFrameOverhead;
+inline constexpr std::size_t kMaxPacket = kMaxParameters + kPacketOverhead;
 inline constexpr std::uint8_t kHighestId = 0xFD;
 inline constexpr std::uint8_t kBroadcastId = 0xFE;  // everybody acts, nobody answers
 
@@ -50,7 +50,7 @@ enum ErrorBit : std::uint8_t {
 inline constexpr std::array<const char*, 7> kErrorBitNames = {"voltage",  "angle limit", "overheating", "range",
                                                               "checksum", "overload",    "instruction"};
 
-struct Frame {
+struct Packet {
   std::uint8_t id = 0;
   std::uint8_t code = 0;  // Instruction, or error bits
   std::uint8_t parameter_count = 0;
@@ -62,8 +62,8 @@ struct Frame {
 };
 
 /// A frame's bytes, ready for the wire.
-struct FrameBytes {
-  std::array<std::uint8_t, kMaxFrame> data;
+struct PacketBytes {
+  std::array<std::uint8_t, kMaxPacket> data;
   std::size_t size = 0;
   [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return std::span(data).first(size); }
 };
@@ -72,28 +72,28 @@ struct FrameBytes {
 [[nodiscard]] std::uint8_t checksum(std::span<const std::uint8_t> id_to_last_parameter) noexcept;
 
 /// At most kMaxParameters parameters; more are cut off, which no caller here does.
-[[nodiscard]] FrameBytes encode(std::uint8_t id, std::uint8_t code, std::span<const std::uint8_t> parameters) noexcept;
+[[nodiscard]] PacketBytes encode(std::uint8_t id, std::uint8_t code, std::span<const std::uint8_t> parameters) noexcept;
 
-[[nodiscard]] FrameBytes encode_ping(std::uint8_t id) noexcept;
-[[nodiscard]] FrameBytes encode_read(std::uint8_t id, std::uint8_t address, std::uint8_t count) noexcept;
-[[nodiscard]] FrameBytes encode_write(std::uint8_t id, std::uint8_t address,
-                                      std::span<const std::uint8_t> data) noexcept;
-[[nodiscard]] FrameBytes encode_reg_write(std::uint8_t id, std::uint8_t address,
-                                          std::span<const std::uint8_t> data) noexcept;
-[[nodiscard]] FrameBytes encode_action() noexcept;
-[[nodiscard]] FrameBytes encode_factory_reset(std::uint8_t id) noexcept;
-/// `data` holds `size_each` bytes for each ID, in the same order.
-[[nodiscard]] FrameBytes encode_sync_write(std::uint8_t address, std::uint8_t size_each,
-                                           std::span<const std::uint8_t> ids,
+[[nodiscard]] PacketBytes encode_ping(std::uint8_t id) noexcept;
+[[nodiscard]] PacketBytes encode_read(std::uint8_t id, std::uint8_t address, std::uint8_t count) noexcept;
+[[nodiscard]] PacketBytes encode_write(std::uint8_t id, std::uint8_t address,
+                                       std::span<const std::uint8_t> data) noexcept;
+[[nodiscard]] PacketBytes encode_reg_write(std::uint8_t id, std::uint8_t address,
                                            std::span<const std::uint8_t> data) noexcept;
-[[nodiscard]] FrameBytes encode_sync_read(std::uint8_t address, std::uint8_t size_each,
-                                          std::span<const std::uint8_t> ids) noexcept;
+[[nodiscard]] PacketBytes encode_action() noexcept;
+[[nodiscard]] PacketBytes encode_factory_reset(std::uint8_t id) noexcept;
+/// `data` holds `size_each` bytes for each ID, in the same order.
+[[nodiscard]] PacketBytes encode_sync_write(std::uint8_t address, std::uint8_t size_each,
+                                            std::span<const std::uint8_t> ids,
+                                            std::span<const std::uint8_t> data) noexcept;
+[[nodiscard]] PacketBytes encode_sync_read(std::uint8_t address, std::uint8_t size_each,
+                                           std::span<const std::uint8_t> ids) noexcept;
 struct BulkReadItem {
   std::uint8_t id, address, count;
 };
-[[nodiscard]] FrameBytes encode_bulk_read(std::span<const BulkReadItem> items) noexcept;
-[[nodiscard]] FrameBytes encode_status(std::uint8_t id, std::uint8_t error_bits,
-                                       std::span<const std::uint8_t> parameters) noexcept;
+[[nodiscard]] PacketBytes encode_bulk_read(std::span<const BulkReadItem> items) noexcept;
+[[nodiscard]] PacketBytes encode_status(std::uint8_t id, std::uint8_t error_bits,
+                                        std::span<const std::uint8_t> parameters) noexcept;
 
 [[nodiscard]] constexpr std::uint16_t word(std::uint8_t low, std::uint8_t high) noexcept {
   return static_cast<std::uint16_t>(low | (high << 8));

@@ -5,13 +5,13 @@
 #include <vector>
 
 using namespace tectum;
-using dynamixel::FrameBytes;
+using dynamixel::PacketBytes;
 
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-Bytes of(const FrameBytes& frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
+Bytes of(const PacketBytes& frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
 
 }  // namespace
 
@@ -19,7 +19,7 @@ Bytes of(const FrameBytes& frame) { return {frame.bytes().begin(), frame.bytes()
 TEST_CASE("instruction packets are those of the manual") {
   struct Case {
     const char* name;
-    FrameBytes frame;
+    PacketBytes frame;
     Bytes expected;
   };
   const Case cases[] = {

@@ -1,4 +1,4 @@
-#include "drivers/servo/frame_parser.h"
+#include "drivers/servo/packet_parser.h"
 
 #include <algorithm>
 
@@ -30,18 +30,18 @@ bool can_have_length(std::uint8_t instruction, std::size_t length) noexcept {
 
 }  // namespace
 
-void FrameParser::expect(std::uint8_t id, std::uint8_t parameter_count) noexcept {
+void PacketParser::expect(std::uint8_t id, std::uint8_t parameter_count) noexcept {
   is_expecting_ = true;
   expected_id_ = id;
   expected_count_ = parameter_count;
 }
 
-void FrameParser::skip(std::size_t count) noexcept {
+void PacketParser::skip(std::size_t count) noexcept {
   begin_ += count;
   counters_.skipped_bytes += count;
 }
 
-void FrameParser::push(std::span<const std::uint8_t> bytes) noexcept {
+void PacketParser::push(std::span<const std::uint8_t> bytes) noexcept {
   if (bytes.size() > kCapacity) {
     counters_.skipped_bytes += bytes.size() - kCapacity;
     bytes = bytes.last(kCapacity);
@@ -61,7 +61,7 @@ void FrameParser::push(std::span<const std::uint8_t> bytes) noexcept {
   end_ += bytes.size();
 }
 
-bool FrameParser::is_plausible() const noexcept {
+bool PacketParser::is_plausible() const noexcept {
   const std::uint8_t* at = buffer_.data() + begin_;
   const std::size_t have = end_ - begin_;
   if (have > 0 && at[0] != kHeader) {
@@ -83,7 +83,7 @@ bool FrameParser::is_plausible() const noexcept {
     }
   }
   if (have > kCodeAt) {
-    if (kind_ == FrameKind::Status) {
+    if (kind_ == PacketKind::Status) {
       return (at[kCodeAt] & 0x80U) == 0;  // bit 7 of ERR is always 0
     }
     return can_have_length(at[kCodeAt], at[kLengthAt]);
@@ -91,7 +91,7 @@ bool FrameParser::is_plausible() const noexcept {
   return true;
 }
 
-ParseResult FrameParser::next(Frame& out) noexcept {
+ParseResult PacketParser::next(Packet& out) noexcept {
   while (begin_ < end_) {
     if (!is_plausible()) {
       skip(1);
@@ -101,7 +101,7 @@ ParseResult FrameParser::next(Frame& out) noexcept {
     if (have <= kLengthAt) {
       return ParseResult::NeedMore;
     }
-    const std::size_t size = kFrameOverhead - kLengthOverhead + buffer_[begin_ + kLengthAt];
+    const std::size_t size = kPacketOverhead - kLengthOverhead + buffer_[begin_ + kLengthAt];
     if (have < size) {
       return ParseResult::NeedMore;
     }
@@ -113,11 +113,11 @@ ParseResult FrameParser::next(Frame& out) noexcept {
       skip(1);
       return ParseResult::BadChecksum;
     }
-    out.parameter_count = static_cast<std::uint8_t>(size - kFrameOverhead);
+    out.parameter_count = static_cast<std::uint8_t>(size - kPacketOverhead);
     std::copy_n(frame.begin() + kCodeAt + 1, out.parameter_count, out.parameters.begin());
     begin_ += size;
     ++counters_.frames;
-    return ParseResult::Frame;
+    return ParseResult::Whole;
   }
   return ParseResult::NeedMore;
 }

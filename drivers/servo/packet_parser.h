@@ -14,11 +14,11 @@
 
 namespace tectum::dynamixel {
 
-enum class FrameKind : std::uint8_t { Instruction, Status };
+enum class PacketKind : std::uint8_t { Instruction, Status };
 
 enum class ParseResult : std::uint8_t {
   NeedMore,     // no frame in the bytes so far
-  Frame,        // `out` holds one
+  Whole,        // `out` holds one
   BadChecksum,  // `out.id` and `out.code` are those of a damaged frame; ask again, there may be more
 };
 
@@ -29,9 +29,9 @@ struct ParserCounters {
 };
 
 /// Not real-time safe by contract, but neither allocates nor throws.
-class FrameParser {
+class PacketParser {
  public:
-  explicit FrameParser(FrameKind kind) noexcept : kind_(kind) {}
+  explicit PacketParser(PacketKind kind) noexcept : kind_(kind) {}
 
   /// Status frames only: from now on nothing but frames of this ID with this many parameters, or with none, which is
   /// how a servo refuses.
@@ -40,7 +40,7 @@ class FrameParser {
   void clear() noexcept { begin_ = end_ = 0; }
   /// Takes what came. When its kCapacity is exceeded the oldest bytes are skipped; drain with next() after every push.
   void push(std::span<const std::uint8_t> bytes) noexcept;
-  [[nodiscard]] ParseResult next(Frame& out) noexcept;
+  [[nodiscard]] ParseResult next(Packet& out) noexcept;
 
   /// Bytes of a frame that is not complete yet.
   [[nodiscard]] std::size_t pending_bytes() const noexcept { return end_ - begin_; }
@@ -52,7 +52,7 @@ class FrameParser {
   [[nodiscard]] bool is_plausible() const noexcept;
   void skip(std::size_t count) noexcept;
 
-  FrameKind kind_;
+  PacketKind kind_;
   bool is_expecting_ = false;
   std::uint8_t expected_id_ = 0;
   std::uint8_t expected_count_ = 0;

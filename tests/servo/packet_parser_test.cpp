@@ -1,4 +1,4 @@
-#include "drivers/servo/frame_parser.h"
+#include "drivers/servo/packet_parser.h"
 
 #include <doctest/doctest.h>
 
@@ -11,22 +11,22 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-Bytes of(const FrameBytes& frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
+Bytes of(const PacketBytes& frame) { return {frame.bytes().begin(), frame.bytes().end()}; }
 
 void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
 
 struct Found {
-  std::vector<Frame> frames;
+  std::vector<Packet> frames;
   int bad_checksums = 0;
 };
 
-void drain(FrameParser& parser, Found& found) {
-  Frame frame;
+void drain(PacketParser& parser, Found& found) {
+  Packet frame;
   for (;;) {
     switch (parser.next(frame)) {
       case ParseResult::NeedMore:
         return;
-      case ParseResult::Frame:
+      case ParseResult::Whole:
         found.frames.push_back(frame);
         break;
       case ParseResult::BadChecksum:
@@ -36,7 +36,7 @@ void drain(FrameParser& parser, Found& found) {
   }
 }
 
-Found parse(FrameParser& parser, const Bytes& bytes) {
+Found parse(PacketParser& parser, const Bytes& bytes) {
   Found found;
   parser.push(bytes);
   drain(parser, found);
@@ -44,7 +44,7 @@ Found parse(FrameParser& parser, const Bytes& bytes) {
 }
 
 Found parse_status(const Bytes& bytes) {
-  FrameParser parser(FrameKind::Status);
+  PacketParser parser(PacketKind::Status);
   return parse(parser, bytes);
 }
 
@@ -53,7 +53,7 @@ const Bytes kAnswer = of(encode_status(1, 0, Bytes{0x20, 0x02}));
 }  // namespace
 
 TEST_CASE("a frame that comes byte by byte is found at its last byte") {
-  FrameParser parser(FrameKind::Status);
+  PacketParser parser(PacketKind::Status);
   Found found;
   for (std::size_t i = 0; i < kAnswer.size(); ++i) {
     CHECK(found.frames.empty());
@@ -72,7 +72,7 @@ TEST_CASE("garbage before a frame, lone header bytes included, is skipped") {
     CAPTURE(garbage);
     Bytes stream = garbage;
     append(stream, kAnswer);
-    FrameParser parser(FrameKind::Status);
+    PacketParser parser(PacketKind::Status);
     const Found found = parse(parser, stream);
     REQUIRE(found.frames.size() == 1);
     CHECK(parser.counters().skipped_bytes == garbage.size());
@@ -95,7 +95,7 @@ TEST_CASE("a frame right behind one that lost any of its bytes is found without 
     Bytes stream = kAnswer;
     stream.erase(stream.begin() + static_cast<std::ptrdiff_t>(lost));
     append(stream, kAnswer);
-    FrameParser parser(FrameKind::Status);
+    PacketParser parser(PacketKind::Status);
     parser.expect(1, 2);
     CHECK(parse(parser, stream).frames.size() == 1);
     CHECK(parser.pending_bytes() == 0);
@@ -106,13 +106,13 @@ TEST_CASE("a length that the expected frame cannot have is not waited for") {
   Bytes stream = kAnswer;
   stream[kLengthAt] = 0xF0;  // would swallow 240 bytes
   append(stream, kAnswer);
-  FrameParser parser(FrameKind::Status);
+  PacketParser parser(PacketKind::Status);
   parser.expect(1, 2);
   CHECK(parse(parser, stream).frames.size() == 1);
 }
 
 TEST_CASE("an answer of another servo, or of another size, is not the expected one") {
-  FrameParser parser(FrameKind::Status);
+  PacketParser parser(PacketKind::Status);
   parser.expect(1, 2);
   CHECK(parse(parser, of(encode_status(2, 0, Bytes{0, 0}))).frames.empty());
   CHECK(parse(parser, of(encode_status(1, 0, Bytes{0, 0, 0}))).frames.empty());
@@ -124,7 +124,7 @@ TEST_CASE("an instruction whose length does not fit it is not waited for") {
   Bytes stream = of(encode_ping(1));
   stream[kLengthAt] = 0x80;
   append(stream, of(encode_ping(2)));
-  FrameParser parser(FrameKind::Instruction);
+  PacketParser parser(PacketKind::Instruction);
   const Found found = parse(parser, stream);
   REQUIRE(found.frames.size() == 1);
   CHECK(found.frames[0].id == 2);
@@ -133,7 +133,7 @@ TEST_CASE("an instruction whose length does not fit it is not waited for") {
 TEST_CASE("every frame that is encoded is decoded to the same") {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> byte(0, 255);
-  FrameParser parser(FrameKind::Status);
+  PacketParser parser(PacketKind::Status);
   for (std::size_t count = 0; count <= kMaxParameters; ++count) {
     Bytes parameters(count);
     for (std::uint8_t& parameter : parameters) {
@@ -159,7 +159,7 @@ TEST_CASE("random garbage never stops the parser from finding the frame behind i
   std::bernoulli_distribution is_header(0.3);  // garbage that looks like headers
   int garbage_frames = 0;
   for (int round = 0; round < 20000; ++round) {
-    FrameParser parser(FrameKind::Status);
+    PacketParser parser(PacketKind::Status);
     parser.expect(1, 2);
     Bytes stream;
     for (int n = length(random); n > 0; --n) {
@@ -177,7 +177,7 @@ TEST_CASE("random garbage never stops the parser from finding the frame behind i
 }
 
 TEST_CASE("more bytes than the parser can hold cost the oldest, and no more") {
-  FrameParser parser(FrameKind::Instruction);
+  PacketParser parser(PacketKind::Instruction);
   Bytes flood(5000, 0x00);
   append(flood, of(encode_ping(7)));
   const Found found = parse(parser, flood);

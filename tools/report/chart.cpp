@@ -18,6 +18,7 @@ constexpr double kSwatchPx = 18;
 struct Range {
   double low = 0;
   double high = 1;
+  double step = 1;  // between ticks
   [[nodiscard]] double span() const { return high - low; }
 };
 
@@ -32,7 +33,7 @@ struct Frame2d {
 };
 
 Range data_range(const std::vector<Series>& all, bool is_x) {
-  Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 1};
   for (const Series& series : all) {
     for (const double value : is_x ? series.x : series.y) {
       if (std::isfinite(value)) {
@@ -44,20 +45,21 @@ Range data_range(const std::vector<Series>& all, bool is_x) {
       range.low = std::min(range.low, 0.0);
     }
   }
-  return range.low <= range.high ? range : Range{0, 1};
+  return range.low <= range.high ? range : Range{};
 }
 
 Range axis_range(const ChartAxis& axis, Range data, int ticks) {
   const double wanted = std::max(axis.min_span, 1e-9);
   if (data.span() < wanted) {
     const double middle = (data.low + data.high) / 2;
-    data = {middle - wanted / 2, middle + wanted / 2};
+    data = {middle - wanted / 2, middle + wanted / 2, 1};
   }
-  data = {axis.min.value_or(data.low), axis.max.value_or(data.high)};
+  data = {axis.min.value_or(data.low), axis.max.value_or(data.high), 1};
   if (!(data.span() > 0)) {
     data.high = data.low + 1;
   }
   const double step = nice_ticks(data.low, data.high, ticks).step;
+  data.step = step;
   if (!axis.min) {
     data.low = std::floor(data.low / step + 1e-9) * step;
   }
@@ -67,12 +69,23 @@ Range axis_range(const ChartAxis& axis, Range data, int ticks) {
   return data;
 }
 
+/// The multiples of `step` in [low, high].
+Ticks multiples_of(double step, double low, double high) {
+  Ticks ticks;
+  ticks.step = step;
+  ticks.first = std::ceil(low / step - 1e-6) * step;
+  ticks.count = static_cast<int>(std::floor((high - ticks.first) / step + 1e-6)) + 1;
+  ticks.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+  return ticks;
+}
+
 /// Widens one of the ranges so that both have the same scale.
 void equalise(Frame2d& frame) {
   const double per_px = std::max(frame.x.span() / frame.plot.width, frame.y.span() / frame.plot.height);
   const auto widen = [](Range& range, double span) {
     const double middle = (range.low + range.high) / 2;
-    range = {middle - span / 2, middle + span / 2};
+    range.low = middle - span / 2;
+    range.high = middle + span / 2;
   };
   widen(frame.x, per_px * frame.plot.width);
   widen(frame.y, per_px * frame.plot.height);
@@ -120,9 +133,11 @@ void draw_legend(SvgBody& svg, const std::vector<LegendEntry>& entries, double t
   }
 }
 
+Ticks ticks_of(const Range& range) { return multiples_of(range.step, range.low, range.high); }
+
 void draw_axes(SvgBody& svg, const Chart& chart, const Frame2d& frame) {
   const Box& plot = frame.plot;
-  const Ticks ys = nice_ticks(frame.y.low, frame.y.high, std::max(2, static_cast<int>(plot.height / 38)));
+  const Ticks ys = ticks_of(frame.y);
   for (int k = 0; k < ys.count; ++k) {
     const double value = ys.first + k * ys.step;
     const double y = std::round(frame.py(value)) + 0.5;
@@ -130,7 +145,7 @@ void draw_axes(SvgBody& svg, const Chart& chart, const Frame2d& frame) {
     svg.line(plot.x, y, plot.x + plot.width, y, is_zero ? "hair s-muted" : "hair s-grid");
     svg.text(plot.x - 6, y + 4, number_text(value, ys.decimals), "f-muted end");
   }
-  const Ticks xs = nice_ticks(frame.x.low, frame.x.high, std::max(2, static_cast<int>(plot.width / 80)));
+  const Ticks xs = ticks_of(frame.x);
   const double bottom = plot.y + plot.height;
   for (int k = 0; k < xs.count; ++k) {
     const double value = xs.first + k * xs.step;
@@ -268,7 +283,7 @@ Frame2d lay_out_plot(const Chart& chart, const Box& box, int legend_lines) {
   const double top = box.y + legend_lines * kLegendLinePx + 4;
   frame.plot = {box.x, top, box.width, std::max(20.0, box.y + box.height - kBottomMarginPx - top)};
   frame.y = axis_range(chart.y, data_range(chart.series, false), std::max(2, static_cast<int>(frame.plot.height / 38)));
-  const Ticks ticks = nice_ticks(frame.y.low, frame.y.high, std::max(2, static_cast<int>(frame.plot.height / 38)));
+  const Ticks ticks = ticks_of(frame.y);
   double label_px = 0;
   for (int k = 0; k < ticks.count; ++k) {
     label_px = std::max(label_px, text_width_px(number_text(ticks.first + k * ticks.step, ticks.decimals), kFontPx));
@@ -279,6 +294,9 @@ Frame2d lay_out_plot(const Chart& chart, const Box& box, int legend_lines) {
   frame.x = axis_range(chart.x, data_range(chart.series, true), std::max(2, static_cast<int>(frame.plot.width / 80)));
   if (chart.has_equal_scales) {
     equalise(frame);
+    const double step =
+        nice_ticks(frame.x.low, frame.x.high, std::max(2, static_cast<int>(frame.plot.width / 80))).step;
+    frame.x.step = frame.y.step = step;
   }
   return frame;
 }
@@ -300,11 +318,8 @@ Ticks nice_ticks(double low, double high, int count) {
   const double rough = (high - low) / count;
   const double magnitude = std::pow(10.0, std::floor(std::log10(rough)));
   const double share = rough / magnitude;
-  ticks.step = (share <= 1.0001 ? 1 : share <= 2.0001 ? 2 : share <= 5.0001 ? 5 : 10) * magnitude;
-  ticks.first = std::ceil(low / ticks.step - 1e-6) * ticks.step;
-  ticks.count = static_cast<int>(std::floor((high - ticks.first) / ticks.step + 1e-6)) + 1;
-  ticks.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(ticks.step) + 1e-9)));
-  return ticks;
+  const double step = (share <= 1.0001 ? 1 : share <= 2.0001 ? 2 : share <= 5.0001 ? 5 : 10) * magnitude;
+  return multiples_of(step, low, high);
 }
 
 void draw_chart(SvgBody& svg, const Chart& chart, const Box& box) {

@@ -29,9 +29,9 @@ double plot_height_px(const LaneLayout& layout) {
   return layout.lanes_px + kLaneAxisPx + (layout.silent.empty() ? 0 : kSilentLinePx);
 }
 
-Box plot_box(const Recording& recording, const LaneLayout& layout, const Box& box, bool has_bars) {
+Box plot_box(const Recording& recording, const LaneLayout& layout, const Box& box) {
   const double left = lane_label_px(recording, layout, box.width);
-  const double side = kSidePx + (has_bars && box.width >= kWideFromPx ? kBarPx : 0);
+  const double side = kSidePx + (box.width >= kWideFromPx ? kBarPx : 0);
   return {box.x + left, box.y, std::max(20.0, box.width - left - side), layout.lanes_px};
 }
 
@@ -197,7 +197,7 @@ double RasterPlot::height_px() const {
 
 void RasterPlot::draw(SvgBody& svg, const Box& box) const {
   const LaneLayout layout = lay_out_lanes(recording_, options_.omits_silent, LaneHeight::ByNeurons);
-  const Box plot = plot_box(recording_, layout, box, true);
+  const Box plot = plot_box(recording_, layout, box);
   draw_marks(svg, options_, plot);
   draw_lane_frame(svg, recording_, layout, plot, box.x, options_.window.begin_s, options_.window.end_s);
   const std::vector<LaneGrid> grids =
@@ -225,7 +225,7 @@ double RatePlot::height_px() const {
 
 void RatePlot::draw(SvgBody& svg, const Box& box) const {
   const LaneLayout layout = lay_out_lanes(recording_, options_.omits_silent, LaneHeight::Equal);
-  const Box plot = plot_box(recording_, layout, box, false);
+  const Box plot = plot_box(recording_, layout, box);
   draw_marks(svg, options_, plot);
   draw_lane_frame(svg, recording_, layout, plot, box.x, options_.window.begin_s, options_.window.end_s);
   const std::vector<PopulationRate> rates =

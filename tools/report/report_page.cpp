@@ -16,6 +16,7 @@ h1{font-size:26px;line-height:1.2;margin:8px 0 2px}
 h2{font-size:18px;margin:36px 0 4px}
 h3{font-size:14px;margin:0}
 p{margin:4px 0 10px;max-width:78ch}
+h1+p{max-width:none}
 .muted,figcaption{color:var(--muted)}
 figcaption{font-size:13px;max-width:90ch;margin:0 0 6px}
 figure{margin:14px 0 22px}
@@ -25,9 +26,10 @@ svg.narrow{display:none}
 .card{background:var(--panel);border-radius:10px;padding:10px 14px}
 .card b{display:block;font-size:22px;line-height:1.25;font-weight:600}
 .card span{font-size:12.5px;line-height:1.3;display:block;color:var(--muted)}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(340px,100%),1fr));gap:6px 28px}
+.grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(340px,100%),1fr));gap:6px 28px}
 table{border-collapse:collapse;width:100%;margin:8px 0 16px;font-variant-numeric:tabular-nums}
 th,td{padding:5px 6px;text-align:right;border-bottom:1px solid var(--grid);vertical-align:top}
+td:not(:first-child){white-space:nowrap}
 th:first-child,td:first-child{text-align:left;padding-left:0}
 thead th{font-size:13px;color:var(--muted);font-weight:600}
 td small{display:block;color:var(--muted);font-size:12px;line-height:1.3}

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace tectum {
@@ -11,11 +12,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, kEyeCount> kEyeNames = {"left", "right"};
 
+/// A value that rounds to zero has no sign to show.
+double without_negative_zero(double value) { return std::abs(value) < 0.005 ? 0 : value; }
+
 std::string axis_row(const char* eye, const char* axis, const AxisMetrics& metrics) {
   return fmt::format("{:<5}  {:<10}  {:>+7.2f}  {:>8.2f}  {:>6.2f}  {:>6.2f}  {:>7.0f} %  {:>12.2f}  {:>6.2f}\n", eye,
-                     axis, metrics.all.median_deg, metrics.all.median_abs_deg, metrics.all.rmse_deg,
-                     metrics.all.p90_abs_deg, metrics.all.fovea_share * 100, metrics.settled.rmse_deg,
-                     metrics.jitter_deg);
+                     axis, without_negative_zero(metrics.all.median_deg), metrics.all.median_abs_deg,
+                     metrics.all.rmse_deg, metrics.all.p90_abs_deg, metrics.all.fovea_share * 100,
+                     metrics.settled.rmse_deg, metrics.jitter_deg);
 }
 
 Json stats_json(const ErrorStats& stats) {
@@ -51,13 +55,15 @@ Json saccades_json(const EyeSaccades& eye) {
 std::string run_table_text(const RunSummary& summary) {
   std::string text;
   if (summary.tracking.has_truth) {
-    text += "eye    axis        median  |median|    RMSE     p90   on fovea  RMSE settled  jitter\n";
-    text += "                     (deg)     (deg)   (deg)   (deg)    (< 1 deg)       (deg)   (deg)\n";
+    constexpr const char* kHeader = "{:<5}  {:<10}  {:>7}  {:>8}  {:>6}  {:>6}  {:>9}  {:>12}  {:>6}\n";
+    text +=
+        fmt::format(kHeader, "eye", "axis", "median", "|error|", "RMSE", "p90", "on fovea", "RMSE settled", "jitter");
+    text += fmt::format(kHeader, "", "", "(deg)", "(deg)", "(deg)", "(deg)", "(< 1 deg)", "(deg)", "(deg)");
     for (std::size_t e = 0; e < kEyeCount; ++e) {
       text += axis_row(kEyeNames[e], "horizontal", summary.tracking.eye[e].pan);
       text += axis_row(kEyeNames[e], "vertical", summary.tracking.eye[e].tilt);
     }
-    text += "settled: without the 300 ms after each of ";
+    text += "|error|: median of its size; settled: without the 300 ms after each of ";
     text += fmt::format("{} target jumps\n\n", summary.tracking.target_jumps_s.size());
   }
   for (std::size_t e = 0; e < kEyeCount; ++e) {

@@ -87,7 +87,7 @@ void append_entry(const Membrane& membrane, double ticks, std::vector<float>& ta
   }
 }
 
-void append_propagators(const Membrane& membrane, bool may_sleep, std::vector<float>& tables) {
+void append_propagators(const Membrane& membrane, std::uint32_t group_size, bool may_sleep, std::vector<float>& tables) {
   append_entry(membrane, 1, tables);
   for (std::size_t c = 0; c < membrane.tau_ms.size(); ++c) {
     const double peak_mv = peak_gain_mv(membrane.tick_ms, membrane.tau_m_ms, membrane.tau_ms[c], membrane.r_m_mohm);
@@ -96,10 +96,10 @@ void append_propagators(const Membrane& membrane, bool may_sleep, std::vector<fl
   if (!may_sleep) {
     return;
   }
-  for (std::uint32_t k = 0; k < PropagatorTable::kEntries; ++k) {
-    const std::uint32_t level = k / PropagatorTable::kDigits;
-    const std::uint32_t digit = k % PropagatorTable::kDigits;
-    append_entry(membrane, std::ldexp(digit, static_cast<int>(level * PropagatorTable::kDigitBits)), tables);
+  const auto layout = PropagatorTable::of(static_cast<std::uint32_t>(membrane.tau_ms.size()), group_size);
+  for (std::uint32_t k = 0; k < layout.entry_count(); ++k) {
+    const std::uint32_t level = k / layout.digits();
+    append_entry(membrane, std::ldexp(k % layout.digits(), static_cast<int>(level * layout.digit_bits)), tables);
   }
 }
 
@@ -184,7 +184,7 @@ void lower_model(const ModelPhysics& physics, double tick_ms, ImageContents& ima
 
   group.table_begin = static_cast<std::uint32_t>(image.tables.size());
   if (is_membrane(physics.model)) {
-    append_propagators(membrane_of(physics, *info, tick_ms), may_sleep, image.tables);
+    append_propagators(membrane_of(physics, *info, tick_ms), physics.size, may_sleep, image.tables);
   }
   group.table_count = static_cast<std::uint32_t>(image.tables.size()) - group.table_begin;
 }

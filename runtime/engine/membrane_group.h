@@ -6,70 +6,77 @@
 //   J_c(t+h) = D_c J_c, then += the quanta that arrived
 //
 // Everything is 32-bit float, left to right as written, without fused multiply-add, so that every
-// kernel gives the same bits. A u or J smaller than 2^-63 counts as 0: subnormal numbers never occur.
+// kernel gives the same bits. Every 64th tick, and after each leap, a u or J smaller than 2^-63 becomes
+// 0: subnormal numbers, which are slow, never last.
+//
+// Sleep, for a group with kGroupMaySleep. After a tick in which it was advanced, a neuron that is not
+// refractory and has
+//   max(u, 0) + sum_c max(M_c J_c, 0) < (1 - 2^-10) (V_th - rest),     V_th > rest,
+// cannot reach threshold without input (M_c is the peak of what a unit current makes of u), and is asleep from then on.
+// When its next input comes it leaps over the n ticks since with the propagators of n.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "runtime/engine/aligned_vector.h"
+#include "runtime/engine/membrane_kernels.h"
 #include "runtime/engine/update_group.h"
-#include "runtime/image/models.h"
 
 namespace tectum {
 
-/// Constants of a group, derived once at load.
-struct MembraneConstants {
-  ModelKind model = ModelKind::LifExp;
-  std::uint32_t size = 0;
-  std::uint32_t receptor_count = 0;
-  std::uint32_t current_count = 0;
-  std::uint32_t refractory_ticks = 0;
-  bool may_sleep = false;
-  std::vector<float> delta_quantum_mv;  // lif_delta: mV a quantum, by receptor
-  float adaptation_step_na = 0;         // alif
-  std::vector<double> unit;             // of each current: nA per J
-  std::vector<float> step;              // entry of one tick, in units of J
-  std::vector<float> peak;              // M_c, mV per J
-  std::vector<float> levels;            // PropagatorTable entries, in units of J
-};
-
-/// Values that may differ from neuron to neuron; each vector has one element or one a neuron.
-struct MembraneThresholds {
-  std::vector<double> rest_mv;      // E_L + R_m I_bias
-  std::vector<float> threshold_mv;  // relative to rest
-  std::vector<float> reset_mv;      // relative to rest
-  std::vector<float> sleep_mv;      // a bound on all that is to come below this: asleep
-  std::vector<float> initial_mv;    // relative to rest
-};
-
 class MembraneGroup final : public UpdateGroup {
  public:
-  MembraneGroup(const SpikeImage& image, const GroupRecord& group);
+  MembraneGroup(const SpikeImage& image, const GroupRecord& group, const EngineOptions& options);
 
   void reset() noexcept override;
   void advance(GroupTick& tick) noexcept override;
   [[nodiscard]] double probe(std::uint32_t neuron, std::uint32_t column, std::uint64_t tick) const noexcept override;
+  [[nodiscard]] bool is_divisible() const noexcept override { return true; }
+  [[nodiscard]] bool wants_marks() const noexcept override { return may_sleep_; }
 
  private:
   struct State {
     float u;
     float currents[kMaxReceptors + 1];
   };
+  void derive_constants(const SpikeImage& image, const GroupRecord& group);
+  void derive_thresholds(const SpikeImage& image, const GroupRecord& group);
+  void derive_leaps(std::span<const float> table, const PropagatorTable& layout);
+
   [[nodiscard]] State load(std::uint32_t neuron) const noexcept;
   void store(std::uint32_t neuron, const State& state) noexcept;
   void propagate(const float* entry, State& state) const noexcept;
   void leap(std::uint32_t ticks, State& state) const noexcept;
-  void add_inputs(std::uint32_t neuron, std::int32_t* inputs, State& state) const noexcept;
-  [[nodiscard]] bool has_input(std::uint32_t neuron, const std::int32_t* inputs) const noexcept;
-  [[nodiscard]] bool can_sleep(std::uint32_t neuron, const State& state) const noexcept;
-  [[nodiscard]] bool advance_neuron(std::uint32_t neuron, GroupTick& tick) noexcept;
+  void remove_dust(State& state) const noexcept;
+  /// Arrivals, threshold, reset. Returns whether the neuron fires.
+  [[nodiscard]] bool finish_tick(std::uint32_t neuron, std::int32_t* inputs, State& state) noexcept;
+  [[nodiscard]] bool may_sleep_now(std::uint32_t neuron, const State& state) const noexcept;
+  /// The lanes of one word, one by one: those asleep leap to this tick, the others take a step.
+  [[nodiscard]] MembraneWord advance_lanes(MembraneTick now, std::uint32_t word, std::uint64_t lanes,
+                                           std::uint64_t asleep, std::uint32_t done) noexcept;
+  void advance_word(MembraneTick now, std::uint32_t word, GroupTick& tick) noexcept;
 
-  MembraneConstants constants_;
-  MembraneThresholds thresholds_;
-  std::vector<float> u_;                    // [neuron]
-  std::vector<float> currents_;             // [current][neuron]
-  std::vector<std::uint32_t> refractory_;   // ticks left
-  std::vector<std::uint32_t> valid_after_;  // asleep: the state is that after so many ticks (mod 2^32)
-  std::vector<std::uint8_t> is_asleep_;
+  std::uint32_t size_;
+  ModelKind model_;
+  bool may_sleep_;
+  bool has_own_thresholds_ = false;
+  std::uint32_t dense_lanes_;  // a word with at least so many neurons awake is swept as a vector
+  std::uint32_t digit_bits_ = 0;
+  MembraneKernels kernels_;
+  MembraneArgs args_{};
+  std::vector<double> unit_;   // of each current: nA per J
+  std::vector<float> step_;    // PropagatorTable entry of one tick, in units of J
+  std::vector<float> levels_;  // the entries of the leaps, in units of J
+
+  std::vector<double> rest_mv_;                                           // E_L + R_m I_bias, one or one a neuron
+  AlignedVector<float> threshold_mv_, reset_mv_, sleep_mv_, initial_mv_;  // relative to rest
+
+  AlignedVector<float> u_;
+  AlignedVector<float> currents_;            // [current][padded]
+  AlignedVector<std::uint16_t> refractory_;  // ticks left
+  std::vector<std::uint64_t> awake_;         // bit a neuron
+  std::vector<std::uint32_t> valid_after_;   // asleep: the state is that after so many ticks (mod 2^32)
 };
 
 }  // namespace tectum

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "runtime/engine/group_parameters.h"
 #include "runtime/engine/philox.h"
@@ -9,7 +10,7 @@
 namespace tectum {
 
 FieldGroup::FieldGroup(const SpikeImage& image, const GroupRecord& group)
-    : wait_ticks_(group.size), is_active_(group.size) {
+    : next_tick_(group.size), is_active_(group.size) {
   constexpr double kLongestPeriodTicks = 4e9;
   const GroupParameters parameters(image, group);
   for (std::uint32_t i = 0; i < group.size; ++i) {
@@ -20,20 +21,21 @@ FieldGroup::FieldGroup(const SpikeImage& image, const GroupRecord& group)
 }
 
 void FieldGroup::reset() noexcept {
-  std::fill(wait_ticks_.begin(), wait_ticks_.end(), 0U);
+  std::fill(next_tick_.begin(), next_tick_.end(), std::uint64_t{0});
   std::fill(is_active_.begin(), is_active_.end(), std::uint8_t{0});
 }
 
 void FieldGroup::advance(GroupTick& tick) noexcept {
+  tick.idle_until = kNeverTick;
   for (std::uint32_t i = 0; i < is_active_.size(); ++i) {
     if (is_active_[i] == 0) {
       continue;
     }
-    if (wait_ticks_[i] == 0) {
+    if (tick.tick >= next_tick_[i]) {
       tick.fire(i);
-      wait_ticks_[i] = period_ticks_[i];
+      next_tick_[i] = tick.tick + period_ticks_[i];
     }
-    --wait_ticks_[i];
+    tick.idle_until = std::min(tick.idle_until, next_tick_[i]);
   }
 }
 
@@ -43,7 +45,7 @@ double FieldGroup::probe(std::uint32_t neuron, std::uint32_t column, std::uint64
 
 void FieldGroup::set_active(std::uint32_t neuron, bool is_active) noexcept {
   if (is_active && is_active_[neuron] == 0) {
-    wait_ticks_[neuron] = 0;
+    next_tick_[neuron] = 0;
   }
   is_active_[neuron] = static_cast<std::uint8_t>(is_active);
 }
@@ -51,25 +53,88 @@ void FieldGroup::set_active(std::uint32_t neuron, bool is_active) noexcept {
 PoissonGroup::PoissonGroup(const SpikeImage& image, const GroupRecord& group)
     : key_(image.header.seed),
       name_hash_(name_hash(image.name(image.populations[group.population].name))),
-      first_index_(group.first_neuron - image.populations[group.population].first_neuron) {
+      first_index_(group.first_neuron - image.populations[group.population].first_neuron),
+      draw_count_(group.size),
+      fires_(group.size),
+      next_(group.size),
+      buckets_(kBuckets) {
   const GroupParameters parameters(image, group);
+  std::map<double, std::uint32_t> index_of_rate;
   for (std::uint32_t i = 0; i < group.size; ++i) {
-    const double probability = parameters.value(source_parameter::kRate, i) * parameters.tick_ms() * 1e-3;
-    fires_below_.push_back(static_cast<std::uint64_t>(std::llround(std::min(probability, 1.0) * 0x1p32)));
+    const double rate_hz = parameters.value(source_parameter::kRate, i);
+    const auto [entry, is_new] = index_of_rate.emplace(rate_hz, static_cast<std::uint32_t>(chances_.size()));
+    chance_of_.push_back(entry->second);
+    if (is_new) {
+      Chance chance{rate_hz, {}};
+      double silent = 1.0 - std::min(rate_hz * parameters.tick_ms() * 1e-3, 1.0);
+      for (double& power : chance.silent) {
+        power = silent;
+        silent *= silent;
+      }
+      chances_.push_back(chance);
+    }
+  }
+  PoissonGroup::reset();
+}
+
+std::uint32_t PoissonGroup::draw_wait(std::uint32_t neuron) noexcept {
+  const std::uint64_t draw = draw_count_[neuron]++;
+  const std::uint64_t block = draw / 2;
+  const PhiloxWords words = philox4x32(
+      key_, {static_cast<std::uint32_t>(block), first_index_ + neuron, static_cast<std::uint32_t>(name_hash_),
+             static_cast<std::uint32_t>((name_hash_ ^ block) >> 32U)});
+  const std::size_t half = 2 * (draw % 2);
+  const std::uint64_t bits = (std::uint64_t{words[half + 1]} << 32U) | words[half];
+  const double left = static_cast<double>((bits >> 11U) + 1) * 0x1p-53;  // 1 - u, in (0, 1]
+  const Chance& chance = chances_[chance_of_[neuron]];
+  std::uint32_t wait = 0;
+  double silent = 1.0;
+  for (std::uint32_t b = kWaitBits; b-- > 0;) {
+    const double longer = silent * chance.silent[b];
+    if (longer >= left) {
+      silent = longer;
+      wait += 1U << b;
+    }
+  }
+  return wait;
+}
+
+void PoissonGroup::schedule(std::uint32_t neuron, std::uint64_t tick) noexcept {
+  const std::uint32_t wait = draw_wait(neuron);
+  fires_[neuron] = static_cast<std::uint8_t>(wait < kMaxWait);
+  std::uint32_t& bucket = buckets_[(tick + wait) % kBuckets];
+  next_[neuron] = bucket;
+  bucket = neuron;
+}
+
+void PoissonGroup::reset() noexcept {
+  std::fill(buckets_.begin(), buckets_.end(), kNone);
+  std::fill(draw_count_.begin(), draw_count_.end(), std::uint64_t{0});
+  for (std::uint32_t i = 0; i < next_.size(); ++i) {
+    if (chances_[chance_of_[i]].rate_hz > 0) {
+      schedule(i, 0);
+    }
   }
 }
 
 void PoissonGroup::advance(GroupTick& tick) noexcept {
-  const std::uint64_t block = tick.tick / 4;
-  const auto word = static_cast<std::size_t>(tick.tick % 4);
-  for (std::uint32_t i = 0; i < fires_below_.size(); ++i) {
-    const PhiloxWords counter = {static_cast<std::uint32_t>(block), first_index_ + i,
-                                 static_cast<std::uint32_t>(name_hash_),
-                                 static_cast<std::uint32_t>((name_hash_ ^ block) >> 32U)};
-    if (philox4x32(key_, counter)[word] < fires_below_[i]) {
-      tick.fire(i);
+  // A neuron whose draw is due may be due again in this same tick, hence the outer loop.
+  std::uint32_t& bucket = buckets_[tick.tick % kBuckets];
+  while (bucket != kNone) {
+    std::uint32_t neuron = bucket;
+    bucket = kNone;
+    while (neuron != kNone) {
+      const std::uint32_t following = next_[neuron];
+      if (fires_[neuron] != 0) {
+        tick.fire(neuron);
+        schedule(neuron, tick.tick + 1);
+      } else {
+        schedule(neuron, tick.tick);
+      }
+      neuron = following;
     }
   }
+  std::sort(tick.fired, tick.fired + tick.fired_count);
 }
 
 double PoissonGroup::probe(std::uint32_t, std::uint32_t, std::uint64_t) const noexcept { return 0; }
@@ -82,6 +147,7 @@ void SpikeListGroup::advance(GroupTick& tick) noexcept {
     tick.fire(spikes_[next_ + 1]);
     next_ += 2;
   }
+  tick.idle_until = next_ < spikes_.size() ? spikes_[next_] : kNeverTick;
 }
 
 double SpikeListGroup::probe(std::uint32_t, std::uint32_t, std::uint64_t) const noexcept { return 0; }

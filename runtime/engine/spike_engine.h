@@ -1,4 +1,4 @@
-// Runs a spike image, one tick at a time.
+// Runs a spike image: one tick at a time, or several at once.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct EngineCounters {
   std::uint64_t spikes = 0;
   std::uint64_t synaptic_events = 0;
   std::uint64_t saturated_inputs = 0;  // injections clipped to the accumulator's range
+  std::uint64_t dropped_rows = 0;      // spikes in flight that found no room: the raster is wrong
 };
 
 class SpikeEngine {
@@ -43,11 +44,18 @@ class SpikeEngine {
   /// Advances by one tick. Real-time safe: no allocation, lock, log, exception or system call.
   void step() noexcept;
 
+  /// Advances by at least one and at most `at_most` ticks and returns how many: as many as can be
+  /// done at once, which is faster than one by one and gives the same raster. What was injected
+  /// counts in the first of them. Needs: at_most > 0. Real-time safe.
+  std::uint32_t advance(std::uint64_t at_most) noexcept;
+
   /// Ticks done so far: the spikes() after n steps belong to tick n - 1.
   [[nodiscard]] std::uint64_t tick() const noexcept;
 
   /// Neurons that fired in the last tick, ascending.
   [[nodiscard]] std::span<const NeuronId> spikes() const noexcept;
+  /// Neurons that fired in tick k, counted from 0, of the last advance(), ascending.
+  [[nodiscard]] std::span<const NeuronId> spikes(std::uint32_t k) const noexcept;
 
   /// Holds a FieldSource neuron on or off from the next tick until told otherwise. Real-time safe.
   void set_field_active(NeuronId neuron, bool is_active) noexcept;

@@ -17,7 +17,7 @@ std::unique_ptr<UpdateGroup> make_update_group(const SpikeImage& image, const Gr
     case ModelKind::LifDelta:
     case ModelKind::LifExp:
     case ModelKind::Alif:
-      return std::make_unique<MembraneGroup>(image, group);
+      return std::make_unique<MembraneGroup>(image, group, options);
     case ModelKind::Izhikevich:
       return std::make_unique<IzhikevichGroup>(image, group);
     case ModelKind::Poisson:

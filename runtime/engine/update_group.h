@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "runtime/engine/spike_engine.h"
@@ -9,18 +10,27 @@
 
 namespace tectum {
 
-/// What a group needs to advance by one tick.
+inline constexpr std::uint64_t kNeverTick = std::numeric_limits<std::uint64_t>::max();
+
+/// What a group needs to advance neurons [begin, end) by one tick.
 struct GroupTick {
   std::uint64_t tick;
-  std::int32_t* inputs;           // this group's accumulators: [receptor][neuron]; the group zeroes what it consumes
+  std::uint32_t begin;            // a multiple of 64
+  std::uint32_t end;              // a multiple of 64 or the group's size
+  std::int32_t* inputs;           // [receptor][group size] accumulators; the group zeroes what it consumes
+  std::uint64_t* touched;         // bit a neuron: it has input; the group clears it; null unless wants_marks()
   std::uint32_t* fired;           // room for every neuron of the group
-  std::uint32_t fired_count = 0;  // neurons of the group (counted from 0), ascending
+  std::uint32_t fired_count = 0;  // out: neurons of the group (counted from 0), ascending
+  std::uint64_t idle_until = 0;   // out: before this tick nothing happens in [begin, end) without input
 
   void fire(std::uint32_t neuron) noexcept { fired[fired_count++] = neuron; }
 };
 
 class UpdateGroup {
  public:
+  UpdateGroup() = default;
+  UpdateGroup(const UpdateGroup&) = delete;
+  UpdateGroup& operator=(const UpdateGroup&) = delete;
   virtual ~UpdateGroup() = default;
 
   /// Back to the initial state. Real-time safe.
@@ -29,6 +39,11 @@ class UpdateGroup {
   virtual void advance(GroupTick& tick) noexcept = 0;
   /// State variable `column` of neuron i after `tick` ticks. Real-time safe.
   [[nodiscard]] virtual double probe(std::uint32_t neuron, std::uint32_t column, std::uint64_t tick) const noexcept = 0;
+
+  /// Parts of the group may be advanced apart, each by its own thread.
+  [[nodiscard]] virtual bool is_divisible() const noexcept { return false; }
+  /// Whoever delivers input also marks the neuron in GroupTick::touched.
+  [[nodiscard]] virtual bool wants_marks() const noexcept { return false; }
   /// Only a FieldSource listens. Real-time safe.
   virtual void set_active(std::uint32_t neuron, bool is_active) noexcept {
     (void)neuron;

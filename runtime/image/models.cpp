@@ -134,13 +134,13 @@ constexpr std::array<ModelInfo, 8> kModels = {{
     {ModelKind::Poisson,
      "poisson",
      "Poisson source",
-     "one Bernoulli draw a tick with probability rate h",
-     "a Philox4x32-10 word below rate h 2^32",
+     "fires in each tick with probability rate h, independently",
+     "the wait drawn with a Philox4x32-10 block is over",
      "none",
      kRateParameters,
      {},
      "Salmon et al. 2011, doi:10.1145/2063384.2063405",
-     "at most one spike a tick; rate h is kept to 32 bits",
+     "at most one spike a tick",
      "",
      0,
      0,
@@ -239,12 +239,12 @@ std::uint32_t current_count(ModelKind kind, std::uint32_t receptor_count) {
   }
 }
 
-std::uint32_t table_size(ModelKind kind, std::uint32_t receptor_count, bool may_sleep) {
+std::uint32_t table_size(ModelKind kind, std::uint32_t receptor_count, std::uint32_t group_size, bool may_sleep) {
   switch (kind) {
     case ModelKind::LifDelta:
     case ModelKind::LifExp:
     case ModelKind::Alif:
-      return PropagatorTable{current_count(kind, receptor_count)}.size(may_sleep);
+      return PropagatorTable::of(current_count(kind, receptor_count), group_size).size(may_sleep);
     default:
       return 0;
   }

@@ -114,28 +114,35 @@ enum : std::uint32_t { kRate, kCount };
 ///
 /// One entry is A, B_0 .. B_{C-1}, D_0 .. D_{C-1}. The table is
 ///   the entry of n = 1, then the peak gains M_0 .. M_{C-1} = the B_c,n of largest size (mV/nA),
-///   and for a group that may sleep the entries of n = d * 1024^l for the digits d = 0 .. 1023 of
-///   level l = 0, 1, 2 and d = 0 .. 3 of level 3, so that any u32 number of ticks is at most four
-///   entries applied one after the other, lowest digit first.
+///   and for a group that may sleep the entries of n = d * 2^(b l) for each digit d of b bits and each
+///   level l, so that any u32 number of ticks is a few entries applied one after the other, lowest
+///   digit first. Large groups have wide digits (fewer steps), small ones a small table.
 struct PropagatorTable {
-  static constexpr std::uint32_t kDigitBits = 10;
-  static constexpr std::uint32_t kDigits = 1U << kDigitBits;
-  static constexpr std::uint32_t kLevels = 4;
-  static constexpr std::uint32_t kEntries = 3 * kDigits + 4;
-
   std::uint32_t current_count;
+  std::uint32_t digit_bits;
 
+  static constexpr std::uint32_t kLargeGroup = 4096;
+  static constexpr PropagatorTable of(std::uint32_t current_count, std::uint32_t group_size) {
+    return {current_count, group_size >= kLargeGroup ? 10U : 6U};
+  }
+
+  [[nodiscard]] constexpr std::uint32_t digits() const { return 1U << digit_bits; }
+  /// Whole levels of all digits, and a last one that fills up the 32 bits.
+  [[nodiscard]] constexpr std::uint32_t entry_count() const {
+    return (32 / digit_bits) * digits() + (1U << (32 % digit_bits));
+  }
   [[nodiscard]] constexpr std::uint32_t entry_size() const { return 1 + 2 * current_count; }
   [[nodiscard]] constexpr std::uint32_t peaks_begin() const { return entry_size(); }
   [[nodiscard]] constexpr std::uint32_t levels_begin() const { return entry_size() + current_count; }
   [[nodiscard]] constexpr std::uint32_t size(bool may_sleep) const {
-    return levels_begin() + (may_sleep ? kEntries * entry_size() : 0);
+    return levels_begin() + (may_sleep ? entry_count() * entry_size() : 0);
   }
 };
 
 /// Number of currents of a membrane group; 0 for other models.
 [[nodiscard]] std::uint32_t current_count(ModelKind kind, std::uint32_t receptor_count);
 /// Size of a group's part of the Tables section.
-[[nodiscard]] std::uint32_t table_size(ModelKind kind, std::uint32_t receptor_count, bool may_sleep);
+[[nodiscard]] std::uint32_t table_size(ModelKind kind, std::uint32_t receptor_count, std::uint32_t group_size,
+                                       bool may_sleep);
 
 }  // namespace tectum

@@ -158,7 +158,7 @@ std::string verify_tables(const SpikeImage& image, const GroupRecord& group, con
   if (may_sleep && !model.may_sleep) {
     return "its model cannot sleep";
   }
-  if (group.table_count != table_size(group.model, group.receptor_count, may_sleep) ||
+  if (group.table_count != table_size(group.model, group.receptor_count, group.size, may_sleep) ||
       !is_range(group.table_begin, group.table_count, image.tables.size())) {
     return "table outside its section or of the wrong size";
   }

@@ -67,9 +67,10 @@ void Ax12Bus::let_late_answers_pass(const Question& question) noexcept {
 
 Ax12Bus::Outcome Ax12Bus::listen(const Question& question, Packet& answer) noexcept {
   const TimeNs adapter_ns = options_.adapter == BusAdapter::ArbotixRos ? kArbotixNs : 0;
-  TimeNs deadline_ns = link_.now_ns() + wire_ns(question.frame.size + question.answer_count + kPacketOverhead) +
-                       return_delay_ns_[question.id] + kThinkingNs + question.extra_ns + adapter_ns +
-                       options_.answer_margin_ns;
+  const TimeNs latest_ns = sent_ns_ + wire_ns(std::size_t{question.answer_count} + kPacketOverhead) +
+                           return_delay_ns_[question.id] + kThinkingNs + question.extra_ns + adapter_ns +
+                           options_.answer_margin_ns;
+  TimeNs deadline_ns = latest_ns;
   bool has_begun = false;
   for (;;) {
     std::array<std::uint8_t, 256> bytes;
@@ -85,7 +86,7 @@ Ax12Bus::Outcome Ax12Bus::listen(const Question& question, Packet& answer) noexc
         break;
     }
     has_begun = true;
-    deadline_ns = std::min(deadline_ns, link_.now_ns() + options_.gap_ns);
+    deadline_ns = std::min(latest_ns, link_.now_ns() + options_.gap_ns);
     parser_.push(std::span(bytes).first(count));
     bool is_damaged = false;
     for (ParseResult result = parser_.next(answer); result != ParseResult::NeedMore; result = parser_.next(answer)) {
@@ -109,7 +110,7 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
     link_.discard_input();
     parser_.clear();
     parser_.expect(question.id, question.answer_count);
-    if (!link_.write(question.frame.bytes())) {
+    if (!write_to_link(question.frame)) {
       return {BusStatus::LinkGone, 0};
     }
     Packet answer;
@@ -147,9 +148,15 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
   return result;
 }
 
+bool Ax12Bus::write_to_link(const PacketBytes& frame) noexcept {
+  // The kernel takes the bytes at once; the line is busy with them, and with those before them, for longer.
+  sent_ns_ = std::max(sent_ns_, link_.now_ns()) + wire_ns(frame.size);
+  return link_.write(frame.bytes());
+}
+
 BusAnswer Ax12Bus::send_only(const PacketBytes& frame) noexcept {
   ++statistics_.broadcasts;
-  return {link_.write(frame.bytes()) ? BusStatus::Ok : BusStatus::LinkGone, 0};
+  return {write_to_link(frame) ? BusStatus::Ok : BusStatus::LinkGone, 0};
 }
 
 BusAnswer Ax12Bus::ping(std::uint8_t id) noexcept {

@@ -11,6 +11,7 @@
 #include "compiler/expression/expression.h"
 #include "compiler/expression/expression_text.h"
 #include "compiler/expression/functions.h"
+#include "compiler/expression/operand_checks.h"
 #include "compiler/expression/step_list.h"
 
 namespace tectum {
@@ -65,7 +66,7 @@ EvalOp plain_op(ExprOp op) {
 class Typer {
  public:
   Typer(const Expression& expression, const Environment& environment)
-      : expression_(expression), environment_(environment) {}
+      : expression_(expression), environment_(environment), checks_(expression) {}
 
   std::optional<TypedExpression> type(std::vector<ExprError>& errors) {
     for (const ExprNode& node : expression_.nodes) {
@@ -78,14 +79,15 @@ class Typer {
     }
     for (const ExprSpan part : steps_.infinite_parts()) {
       const std::string text = quoted(expression_.text_of(part));
-      errors_.push_back({ExprErrorCode::NotFinite, part, text + " has no finite value", {}, std::nullopt, {}});
+      checks_.errors().push_back({ExprErrorCode::NotFinite, part, text + " has no finite value", {}, std::nullopt, {}});
     }
-    if (errors_.empty()) {
+    std::vector<ExprError>& found = checks_.errors();
+    if (found.empty()) {
       return steps_.take();
     }
-    std::stable_sort(errors_.begin(), errors_.end(),
+    std::stable_sort(found.begin(), found.end(),
                      [](const ExprError& a, const ExprError& b) { return a.span.begin < b.span.begin; });
-    errors.insert(errors.end(), std::make_move_iterator(errors_.begin()), std::make_move_iterator(errors_.end()));
+    errors.insert(errors.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     return std::nullopt;
   }
 
@@ -127,9 +129,9 @@ class Typer {
         continue;
       }
       const auto begin = static_cast<std::uint32_t>(node.unit.begin + i);
-      fail(result, ExprErrorCode::AmbiguousUnit, {begin, static_cast<std::uint32_t>(node.unit.begin + end)},
-           quoted(unit.substr(i, end - i)) + " is both a unit and a name here",
-           "blanks around the operator make it the name, brackets around number and unit make it the unit");
+      checks_.fail(result, ExprErrorCode::AmbiguousUnit, {begin, static_cast<std::uint32_t>(node.unit.begin + end)},
+                   quoted(unit.substr(i, end - i)) + " is both a unit and a name here",
+                   "blanks around the operator make it the name, brackets around number and unit make it the unit");
       return;
     }
   }
@@ -159,7 +161,7 @@ class Typer {
       if (find_function(text)) {
         help = quoted(text) + " is a function: its arguments go in brackets";
       }
-      fail(result, ExprErrorCode::UnknownName, node.token, "unknown name " + quoted(text), std::move(help));
+      checks_.fail(result, ExprErrorCode::UnknownName, node.token, "unknown name " + quoted(text), std::move(help));
     }
   }
 
@@ -177,14 +179,14 @@ class Typer {
   void operation(const ExprNode& node, std::span<Operand> operands, Operand& result) {
     switch (node.op) {
       case ExprOp::Negate:
-        if (quantities(operands, result)) {
+        if (checks_.quantities(operands, result)) {
           result.dimension = operands[0].dimension;
           steps_.emit(EvalOp::Negate, operands, result);
         }
         return;
       case ExprOp::Add:
       case ExprOp::Subtract:
-        if (quantities(operands, result) && same(operands, operator_verb(node.op), result)) {
+        if (checks_.quantities(operands, result) && checks_.same(operands, operator_verb(node.op), result)) {
           result.dimension = operands[0].dimension;
           steps_.emit(plain_op(node.op), operands, result);
         }
@@ -200,7 +202,7 @@ class Typer {
       case ExprOp::Or:
       case ExprOp::Not:
         result.dimension = kBoolean;
-        if (truth_values(operands, result)) {
+        if (checks_.truth_values(operands, result)) {
           steps_.emit(plain_op(node.op), operands, result);
         }
         return;
@@ -214,14 +216,14 @@ class Typer {
   }
 
   void product(const ExprNode& node, std::span<Operand> operands, Operand& result) {
-    if (!quantities(operands, result)) {
+    if (!checks_.quantities(operands, result)) {
       return;
     }
     const Dimension& a = operands[0].dimension;
     const Dimension& b = operands[1].dimension;
     const std::optional<Dimension> dimension = node.op == ExprOp::Multiply ? multiply(a, b) : divide(a, b);
     if (!dimension) {
-      fail(result, ExprErrorCode::BadPower, node.span, "powers of the unit are too large");
+      checks_.fail(result, ExprErrorCode::BadPower, node.span, "powers of the unit are too large");
       return;
     }
     result.dimension = *dimension;
@@ -231,10 +233,10 @@ class Typer {
   void compare(const ExprNode& node, std::span<Operand> operands, Operand& result) {
     result.dimension = kBoolean;
     const bool is_ordering = node.op != ExprOp::Equal && node.op != ExprOp::NotEqual;
-    if (is_ordering && !quantities(operands, result)) {
+    if (is_ordering && !checks_.quantities(operands, result)) {
       return;
     }
-    if (!same(operands, "compares", result)) {
+    if (!checks_.same(operands, "compares", result)) {
       return;
     }
     if (node.op == ExprOp::Greater || node.op == ExprOp::GreaterEqual) {
@@ -244,10 +246,10 @@ class Typer {
   }
 
   void choose(std::span<Operand> operands, Operand& result) {
-    if (!truth_values(operands.first(1), result)) {
+    if (!checks_.truth_values(operands.first(1), result)) {
       return;
     }
-    if (!same(operands.subspan(1), "chooses between", result)) {
+    if (!checks_.same(operands.subspan(1), "chooses between", result)) {
       return;
     }
     result.dimension = operands[1].dimension;
@@ -269,28 +271,28 @@ class Typer {
   }
 
   void raise(std::span<Operand> operands, Operand& result) {
-    if (!quantities(operands, result)) {
+    if (!checks_.quantities(operands, result)) {
       return;
     }
     const Operand& base = operands[0];
     const Operand& exponent = operands[1];
     if (!exponent.dimension.is_number()) {
-      fail(result, ExprErrorCode::NotANumber, exponent.span,
-           "exponent is " + describe(exponent.dimension) + ", expected a number");
+      checks_.fail(result, ExprErrorCode::NotANumber, exponent.span,
+                   "exponent is " + describe(exponent.dimension) + ", expected a number");
       return;
     }
     if (!base.dimension.is_number()) {
       if (!exponent.constant) {
-        fail(result, ExprErrorCode::BadPower, exponent.span,
-             "base is " + describe(base.dimension) + ", so the exponent must be a constant", {}, base.span,
-             "this has a unit");
+        checks_.fail(result, ExprErrorCode::BadPower, exponent.span,
+                     "base is " + describe(base.dimension) + ", so the exponent must be a constant", {}, base.span,
+                     "this has a unit");
         return;
       }
       const std::optional<Dimension> dimension = fractional_power(base.dimension, *exponent.constant);
       if (!dimension) {
-        fail(result, ExprErrorCode::BadPower, exponent.span,
-             describe(base.dimension) + " to this power has no whole powers of its units", {}, base.span,
-             "this is " + describe(base.dimension));
+        checks_.fail(result, ExprErrorCode::BadPower, exponent.span,
+                     describe(base.dimension) + " to this power has no whole powers of its units", {}, base.span,
+                     "this is " + describe(base.dimension));
         return;
       }
       result.dimension = *dimension;
@@ -319,13 +321,13 @@ class Typer {
       return;
     }
     if (operands.size() < function->least_arguments || operands.size() > function->most_arguments) {
-      fail(result, ExprErrorCode::WrongArity, node.span,
-           quoted(name) + " takes " + arity_text(*function) + ", found " + std::to_string(operands.size()),
-           std::string(function->about));
+      checks_.fail(result, ExprErrorCode::WrongArity, node.span,
+                   quoted(name) + " takes " + arity_text(*function) + ", found " + std::to_string(operands.size()),
+                   std::string(function->about));
       return;
     }
     result.is_broken = is_broken;
-    if (is_broken || !quantities(operands, result)) {
+    if (is_broken || !checks_.quantities(operands, result)) {
       return;
     }
     apply(*function, operands, result);
@@ -344,7 +346,8 @@ class Typer {
     if (environment_.find(name)) {
       help = quoted(name) + " is a value; to multiply, write `*`";
     }
-    fail(result, ExprErrorCode::UnknownFunction, node.token, "unknown function " + quoted(name), std::move(help));
+    checks_.fail(result, ExprErrorCode::UnknownFunction, node.token, "unknown function " + quoted(name),
+                 std::move(help));
   }
 
   static std::string arity_text(const FunctionInfo& function) {
@@ -357,7 +360,7 @@ class Typer {
     result.dimension = operands[0].dimension;
     switch (function.rule) {
       case FunctionRule::NumberToNumber:
-        if (number_argument(function, operands[0], result)) {
+        if (checks_.number_argument(function, operands[0], result)) {
           steps_.emit(function.op, operands, result);
         }
         return;
@@ -365,7 +368,7 @@ class Typer {
         steps_.emit(function.op, operands, result);
         return;
       case FunctionRule::AllSame:
-        if (all_same(function, operands, result)) {
+        if (checks_.all_same(function, operands, result)) {
           fold_arguments(function, operands, result);
         }
         return;
@@ -383,12 +386,12 @@ class Typer {
         of_angle(function, operands, result);
         return;
       case FunctionRule::ToAngle:
-        if (number_argument(function, operands[0], result)) {
+        if (checks_.number_argument(function, operands[0], result)) {
           to_degrees(function.op, operands, result);
         }
         return;
       case FunctionRule::QuotientToAngle:
-        if (all_same(function, operands, result)) {
+        if (checks_.all_same(function, operands, result)) {
           to_degrees(function.op, operands, result);
         }
         return;
@@ -401,8 +404,8 @@ class Typer {
   void square_root(std::span<Operand> operands, Operand& result) {
     const std::optional<Dimension> dimension = root(operands[0].dimension, 2);
     if (!dimension) {
-      fail(result, ExprErrorCode::BadPower, operands[0].span,
-           "square root of " + describe(operands[0].dimension) + " has no whole powers of its units");
+      checks_.fail(result, ExprErrorCode::BadPower, operands[0].span,
+                   "square root of " + describe(operands[0].dimension) + " has no whole powers of its units");
       return;
     }
     result.dimension = *dimension;
@@ -417,8 +420,8 @@ class Typer {
       steps_.emit(EvalOp::Multiply, factors, radians);
       argument = radians;
     } else if (!argument.dimension.is_number()) {
-      fail(result, ExprErrorCode::NotANumber, argument.span,
-           quoted(function.name) + " of " + describe(argument.dimension) + ", expected an angle");
+      checks_.fail(result, ExprErrorCode::NotANumber, argument.span,
+                   quoted(function.name) + " of " + describe(argument.dimension) + ", expected an angle");
       return;
     }
     result.dimension = kNumber;
@@ -450,91 +453,11 @@ class Typer {
     result = so_far;
   }
 
-  // ---- checks; false after an error ----
-  bool number_argument(const FunctionInfo& function, const Operand& argument, Operand& result) {
-    if (argument.dimension.is_number()) {
-      return true;
-    }
-    fail(result, ExprErrorCode::NotANumber, argument.span,
-         quoted(function.name) + " of " + describe(argument.dimension) + ", expected a number",
-         "divide by a value in the same unit");
-    return false;
-  }
-
-  bool quantities(std::span<const Operand> operands, Operand& result) {
-    for (const Operand& operand : operands) {
-      if (operand.dimension.kind != Dimension::Kind::Quantity) {
-        fail(result, ExprErrorCode::NotAQuantity, operand.span,
-             "expected a quantity, found a " + describe(operand.dimension));
-        return false;
-      }
-    }
-    return true;
-  }
-
-  bool truth_values(std::span<const Operand> operands, Operand& result) {
-    for (const Operand& operand : operands) {
-      if (operand.dimension != kBoolean) {
-        fail(result, ExprErrorCode::NotATruthValue, operand.span,
-             "expected a truth value, found " + describe(operand.dimension), "compare it with something");
-      }
-    }
-    return !result.is_broken;
-  }
-
-  bool all_same(const FunctionInfo& function, std::span<const Operand> operands, Operand& result) {
-    for (std::size_t i = 1; i < operands.size(); ++i) {
-      const std::array<Operand, 2> pair = {operands[0], operands[i]};
-      if (!same(pair, quoted(function.name) + " mixes", result)) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  bool same(std::span<const Operand> pair, std::string_view verb, Operand& result) {
-    const Operand& a = pair[0];
-    const Operand& b = pair[1];
-    if (a.dimension == b.dimension) {
-      return true;
-    }
-    std::string help;
-    if (a.is_literal && b.dimension.kind == Dimension::Kind::Quantity) {
-      help = with_unit(a, b.dimension);
-    }
-    if (b.is_literal && a.dimension.kind == Dimension::Kind::Quantity) {
-      help = with_unit(b, a.dimension);
-    }
-    std::string message;
-    if (verb == "adds") {
-      message = "adds " + describe(b.dimension) + " to " + describe(a.dimension);
-    } else if (verb == "subtracts") {
-      message = "subtracts " + describe(b.dimension) + " from " + describe(a.dimension);
-    } else {
-      message = std::string(verb) + " " + describe(a.dimension) + " and " + describe(b.dimension);
-    }
-    fail(result, ExprErrorCode::DimensionMismatch, b.span, std::move(message), std::move(help), a.span,
-         "this is " + describe(a.dimension));
-    return false;
-  }
-
-  std::string with_unit(const Operand& literal, const Dimension& wanted) const {
-    const std::string unit = display_unit(wanted);
-    const std::string number(expression_.text_of(literal.span));
-    return unit.empty() ? "" : "write " + quoted(number + " " + unit);
-  }
-
-  void fail(Operand& result, ExprErrorCode code, ExprSpan span, std::string message, std::string help = {},
-            std::optional<ExprSpan> other = {}, std::string other_label = {}) {
-    result.is_broken = true;
-    errors_.push_back({code, span, std::move(message), std::move(help), other, std::move(other_label)});
-  }
-
   const Expression& expression_;
   const Environment& environment_;
   std::vector<Operand> stack_;
+  OperandChecks checks_;
   StepList steps_;
-  std::vector<ExprError> errors_;
 };
 
 }  // namespace

@@ -27,10 +27,13 @@ void run_stages(FileId file, const CompileOptions& options, Diagnostics& diagnos
   const auto is_last = [&](Stage stage) { return options.last_stage == stage; };
 
   result.tree = timed(Stage::ParseJson, result, [&] { return parse_json(result.sources, file, diagnostics); });
+  if (result.tree) {
+    result.tree = compose(std::move(*result.tree), file, options.read, result.sources, diagnostics);
+  }
   if (!result.tree || is_last(Stage::ParseJson)) {
     return;
   }
-  result.decl = timed(Stage::ParseCircuit, result, [&] { return parse_circuit(*result.tree, diagnostics); });
+  result.decl = timed(Stage::ParseCircuit, result, [&] { return parse_circuit(*result.tree, result.sources, diagnostics); });
   if (!result.decl || is_last(Stage::ParseCircuit)) {
     return;
   }

@@ -11,6 +11,7 @@
 #include "compiler/elaborate/network.h"
 #include "compiler/optimise/optimise.h"
 #include "compiler/parse/circuit_decl.h"
+#include "compiler/parse/compose.h"
 #include "compiler/parse/json_tree.h"
 #include "compiler/validate/circuit.h"
 #include "runtime/image/image_contents.h"
@@ -30,6 +31,7 @@ struct CompileOptions {
   std::optional<std::uint64_t> seed;    // instead of the file's
   std::vector<std::string> lesions;     // "OPN", "EBN.left", "sc_llbn", "SC*->LLBN"
   std::vector<std::string> parameters;  // "g_sc=0.5 nA"
+  SourceReader read = read_source;      // of included and extended files
 };
 
 struct StageTime {

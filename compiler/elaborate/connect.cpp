@@ -1,8 +1,13 @@
 #include "compiler/elaborate/connect.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <optional>
 #include <vector>
+
+#include "compiler/source/csv_reader.h"
 
 namespace tectum {
 namespace {
@@ -18,6 +23,8 @@ class Connector {
         pre_size_(circuit.populations[index_of(pre.population)].size),
         post_size_(circuit.populations[index_of(post.population)].size),
         skips_autapses_(!projection.allows_autapses && &pre == &post) {}
+
+  [[nodiscard]] const std::string& error() const { return error_; }
 
   bool run() {
     switch (projection_.rule) {
@@ -35,6 +42,8 @@ class Connector {
         return fixed_degree(post_size_, pre_size_, true);
       case RuleKind::FixedOutDegree:
         return fixed_degree(pre_size_, post_size_, false);
+      case RuleKind::EdgeList:
+        return edge_list();
     }
     return true;
   }
@@ -52,6 +61,42 @@ class Connector {
       }
     }
     return flush();
+  }
+
+  bool edge_list() {
+    const EdgeTable& table = *projection_.edges;
+    CsvReader reader(table.path);
+    if (reader.error().empty()) {
+      reader.select(table.columns, table.has_header);
+    }
+    std::vector<double> row(table.columns.size());
+    block_.edge_columns.resize(row.size() - 2);
+    while (reader.next(row)) {
+      const auto pre = local_index(row[0], pre_size_, "presynaptic", reader);
+      const auto post = local_index(row[1], post_size_, "postsynaptic", reader);
+      if (!pre || !post) {
+        return false;
+      }
+      for (std::size_t c = 2; c < row.size(); ++c) {
+        block_.edge_columns[c - 2].push_back(row[c]);
+      }
+      if (!add(*pre, *post)) {
+        return false;
+      }
+    }
+    error_ = reader.error();
+    return error_.empty() && flush();
+  }
+
+  std::optional<std::uint32_t> local_index(double cell, std::uint32_t size, const char* which,
+                                           const CsvReader& reader) {
+    const double index = cell - static_cast<double>(projection_.edges->first_index);
+    if (!(index >= 0 && index < size) || index != std::floor(index)) {
+      error_ = fmt::format("{}:{}: the {} neuron {:g} is not one of {} to {}", reader.path(), reader.line(), which,
+                           cell, projection_.edges->first_index, projection_.edges->first_index + size - 1);
+      return std::nullopt;
+    }
+    return static_cast<std::uint32_t>(index);
   }
 
   bool add(std::uint32_t pre, std::uint32_t post) {
@@ -76,11 +121,17 @@ class Connector {
       if (keep(i)) {
         block_.pre[kept] = block_.pre[i];
         block_.post[kept] = block_.post[i];
+        for (std::vector<double>& column : block_.edge_columns) {
+          column[kept] = column[i];
+        }
         ++kept;
       }
     }
     block_.pre.resize(kept);
     block_.post.resize(kept);
+    for (std::vector<double>& column : block_.edge_columns) {
+      column.resize(kept);
+    }
   }
 
   void keep_where() {
@@ -151,13 +202,18 @@ class Connector {
   bool skips_autapses_;
   PairBlock block_;
   std::vector<double> values_;
+  std::string error_;
 };
 
 }  // namespace
 
 bool connect(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post,
-             const RandomStream& random, PairVariables& variables, const std::function<bool(PairBlock&)>& take) {
-  return Connector(projection, circuit, pre, post, random, variables, take).run();
+             const RandomStream& random, PairVariables& variables, const std::function<bool(PairBlock&)>& take,
+             std::string& error) {
+  Connector connector(projection, circuit, pre, post, random, variables, take);
+  const bool is_done = connector.run();
+  error = connector.error();
+  return is_done;
 }
 
 }  // namespace tectum

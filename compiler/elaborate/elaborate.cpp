@@ -7,9 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "compiler/elaborate/analyse.h"
 #include "compiler/elaborate/apply_lesions.h"
 #include "compiler/elaborate/connect.h"
 #include "compiler/elaborate/quantise.h"
+#include "compiler/elaborate/random_stream.h"
 #include "compiler/elaborate/same_tick_order.h"
 #include "compiler/validate/scope.h"
 #include "runtime/image/models.h"
@@ -77,20 +79,22 @@ bool joins(const Projection& projection, const Circuit& circuit, const Endpoint&
   return true;
 }
 
-/// `sides` limits the target's side, or the source's where the target has none.
-bool is_on_side(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post) {
-  if (projection.only_sides.empty()) {
-    return true;
-  }
+/// Is the target on this side, or the source where the target has no side?
+bool is_on_side(const std::string& side, const Circuit& circuit, const Instance& pre, const Instance& post) {
   const Instance& end = post.sides.empty() ? pre : post;
   const std::vector<AxisId>& axes = circuit.populations[index_of(end.population)].axes;
   for (std::size_t a = 0; a < axes.size(); ++a) {
-    const std::string& side = circuit.axes[index_of(axes[a])].sides[end.sides[a]];
-    if (std::find(projection.only_sides.begin(), projection.only_sides.end(), side) != projection.only_sides.end()) {
+    if (circuit.axes[index_of(axes[a])].sides[end.sides[a]] == side) {
       return true;
     }
   }
   return false;
+}
+
+bool passes_sides(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post) {
+  return projection.only_sides.empty() ||
+         std::any_of(projection.only_sides.begin(), projection.only_sides.end(),
+                     [&](const std::string& side) { return is_on_side(side, circuit, pre, post); });
 }
 
 /// Names the random draws by what a mirror leaves alone: populations, and how far apart their sides are. The two
@@ -138,7 +142,7 @@ class Wiring {
             const std::size_t post = index_of(post_population.first_instance) + j;
             if (!has_failed_ &&
                 joins(projection, circuit_, from, circuit_.instances[pre], to, circuit_.instances[post]) &&
-                is_on_side(projection, circuit_, circuit_.instances[pre], circuit_.instances[post])) {
+                passes_sides(projection, circuit_, circuit_.instances[pre], circuit_.instances[post])) {
               add_pathway(projection, id, pre, post, to.receptor);
             }
           }
@@ -163,12 +167,22 @@ class Wiring {
     const Instance& to = circuit_.instances[post];
     const std::size_t before = network_.synapses.size();
     const auto pathway = static_cast<std::uint32_t>(network_.pathways.size());
+    if (before + expected_synapses(projection, from, to) > kMaxSynapses) {
+      report_full(projection);
+      return;
+    }
     PairVariables variables(circuit_, from, to);
     const RandomStream random(circuit_.seed, stream_name(projection, circuit_, from, to));
-    const bool is_done = connect(projection, circuit_, from, to, random, variables, [&](PairBlock& block) {
-      return take(projection, block, variables, network_.populations[pre].first_neuron,
+    const Values values = values_between(projection, from, to);
+    std::string error;
+    const auto take_block = [&](PairBlock& block) {
+      return take(projection, values, block, variables, network_.populations[pre].first_neuron,
                   network_.populations[post].first_neuron, pathway);
-    });
+    };
+    const bool is_done = connect(projection, circuit_, from, to, random, variables, take_block, error);
+    if (!error.empty()) {
+      diagnostics_.add(Code::BadEdgeList, projection.edges->span, {error});
+    }
     has_failed_ = has_failed_ || !is_done;
     if (network_.synapses.size() > before) {
       network_.pathways.push_back({id, projection.name, projection.cite, projection.name_span,
@@ -176,16 +190,65 @@ class Wiring {
     }
   }
 
-  bool take(const Projection& projection, const PairBlock& block, PairVariables& variables, std::uint32_t first_pre,
-            std::uint32_t first_post, std::uint32_t pathway) {
+  /// How many a rule will make, where that is known beforehand; 0 where it depends on `where`.
+  std::size_t expected_synapses(const Projection& projection, const Instance& from, const Instance& to) const {
+    const std::size_t pre = circuit_.populations[index_of(from.population)].size;
+    const std::size_t post = circuit_.populations[index_of(to.population)].size;
+    if (projection.where) {
+      return 0;
+    }
+    switch (projection.rule) {
+      case RuleKind::OneToOne:
+        return std::min(pre, post);
+      case RuleKind::AllToAll:
+        return pre * post;
+      case RuleKind::FixedProbability:
+        return projection.probability && projection.probability->constant
+                   ? static_cast<std::size_t>(*projection.probability->constant * static_cast<double>(pre * post))
+                   : 0;
+      case RuleKind::FixedInDegree:
+        return std::min<std::size_t>(projection.degree, pre) * post;
+      case RuleKind::FixedOutDegree:
+        return std::min<std::size_t>(projection.degree, post) * pre;
+      case RuleKind::EdgeList:
+        return 0;
+    }
+    return 0;
+  }
+
+  void report_full(const Projection& projection) {
+    diagnostics_.add(Code::TooManySynapses, projection.name_span, {fmt::format("{}", kMaxSynapses)});
+    has_failed_ = true;
+    is_full_ = true;
+  }
+
+  struct Values {
+    const TypedExpression& weight;
+    const TypedExpression& delay;
+  };
+
+  /// The projection's own expressions, or those of an exception for this side.
+  Values values_between(const Projection& projection, const Instance& pre, const Instance& post) const {
+    const TypedExpression* weight = &projection.weight;
+    const TypedExpression* delay = &projection.delay;
+    for (const SideException& exception : projection.exceptions) {
+      if (is_on_side(exception.side, circuit_, pre, post)) {
+        weight = exception.weight ? &*exception.weight : weight;
+        delay = exception.delay ? &*exception.delay : delay;
+      }
+    }
+    return {*weight, *delay};
+  }
+
+  bool take(const Projection& projection, const Values& values, const PairBlock& block, PairVariables& variables,
+            std::uint32_t first_pre, std::uint32_t first_post, std::uint32_t pathway) {
     Synapses& synapses = network_.synapses;
     if (synapses.size() + block.size() > kMaxSynapses) {
-      diagnostics_.add(Code::TooManySynapses, projection.name_span, {fmt::format("{}", kMaxSynapses)});
-      is_full_ = true;
+      report_full(projection);
       return false;
     }
-    variables.evaluate(projection.weight, block, weight_values_);
-    variables.evaluate(projection.delay, block, delay_values_);
+    variables.evaluate(values.weight, block, weight_values_);
+    variables.evaluate(values.delay, block, delay_values_);
     const double sign = projection.is_inhibitory ? -1 : 1;
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (!check_weight(projection, block, i)) {
@@ -283,6 +346,7 @@ std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostic
   if (diagnostics.error_count() > errors_before) {
     return std::nullopt;
   }
+  analyse(circuit, network, wiring.weights, diagnostics);
   apply_lesions(circuit, wiring.weights, network);
   report_rounding(circuit, quantise(circuit, wiring.weights, network), diagnostics);
   const SameTickOrder order = same_tick_order(network);

@@ -1,8 +1,8 @@
 #include "compiler/elaborate/pair_block.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "compiler/validate/retina_geometry.h"
 #include "compiler/validate/slot_use.h"
 
 namespace tectum {
@@ -40,7 +40,8 @@ double side_word(const Circuit& circuit, const Instance& instance, AxisId axis) 
 }  // namespace
 
 PairVariables::PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post) {
-  columns_.resize(kFirstAxisVariable + 3 * circuit.axes.size());
+  first_edge_slot_ = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(circuit.axes.size());
+  columns_.resize(first_edge_slot_);
   gathered_.resize(columns_.size());
   const std::uint32_t pre_size = circuit.populations[index_of(pre.population)].size;
   const std::uint32_t post_size = circuit.populations[index_of(post.population)].size;
@@ -50,26 +51,16 @@ PairVariables::PairVariables(const Circuit& circuit, const Instance& pre, const 
   columns_[kPostSize] = {{static_cast<double>(post_size)}, false};
   columns_[kPrePosition] = {positions(pre_size), true};
   columns_[kPostPosition] = {positions(post_size), false};
-  add_geometry(circuit, pre, true);
-  add_geometry(circuit, post, false);
+  add_geometry(pre, true);
+  add_geometry(post, false);
   add_sides(circuit, pre, post);
 }
 
-void PairVariables::add_geometry(const Circuit& circuit, const Instance& instance, bool is_pre) {
-  if (!instance.retina) {
-    return;
-  }
-  const RetinaSheet& retina = circuit.retinas[index_of(*instance.retina)];
+void PairVariables::add_geometry(const Instance& instance, bool is_pre) {
   const std::uint32_t first = is_pre ? kPreX : kPostX;
-  for (std::uint32_t k = 0; k < 3; ++k) {
-    columns_[first + k].is_pre = is_pre;
-  }
-  for (const FieldRecord& field : retina.fields) {
-    const FieldAngles angles = field_angles(field, retina.frame_width, retina.frame_height, retina.field_of_view_deg);
-    columns_[first].values.push_back(angles.x_deg);
-    columns_[first + 1].values.push_back(angles.y_deg);
-    columns_[first + 2].values.push_back(angles.ecc_deg);
-  }
+  columns_[first] = {instance.x, is_pre};
+  columns_[first + 1] = {instance.y, is_pre};
+  columns_[first + 2] = {instance.ecc, is_pre};
 }
 
 void PairVariables::add_sides(const Circuit& circuit, const Instance& pre, const Instance& post) {
@@ -78,9 +69,6 @@ void PairVariables::add_sides(const Circuit& circuit, const Instance& pre, const
     const std::vector<std::string>& sides = circuit.axes[a].sides;
     columns_[slot] = {{side_word(circuit, pre, static_cast<AxisId>(a))}, true};
     columns_[slot + 1] = {{side_word(circuit, post, static_cast<AxisId>(a))}, false};
-    if (!pre.retina) {
-      continue;
-    }
     const bool is_vertical = std::find(sides.begin(), sides.end(), "up") != sides.end() ||
                              std::find(sides.begin(), sides.end(), "down") != sides.end();
     const int positive = circuit.words.at(is_vertical ? "up" : "right");
@@ -91,26 +79,40 @@ void PairVariables::add_sides(const Circuit& circuit, const Instance& pre, const
   }
 }
 
+EvalColumn PairVariables::gather(std::uint32_t slot, const PairBlock& block) {
+  if (slot >= first_edge_slot_) {
+    return {block.edge_columns[slot - first_edge_slot_].data(), 1};
+  }
+  std::vector<double>& gathered = gathered_[slot];
+  if (slot == kDistance) {
+    gathered.resize(block.size());
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      gathered[i] = std::hypot(columns_[kPreX].values[block.pre[i]] - columns_[kPostX].values[block.post[i]],
+                               columns_[kPreY].values[block.pre[i]] - columns_[kPostY].values[block.post[i]]);
+    }
+    return {gathered.data(), 1};
+  }
+  const Column& column = columns_[slot];
+  if (column.values.size() == 1) {
+    return {column.values.data(), 0};
+  }
+  gathered.resize(block.size());
+  const std::vector<std::uint32_t>& index = column.is_pre ? block.pre : block.post;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    gathered[i] = column.values[index[i]];
+  }
+  return {gathered.data(), 1};
+}
+
 void PairVariables::evaluate(const TypedExpression& expression, const PairBlock& block, std::vector<double>& out) {
   out.resize(block.size());
   if (expression.constant) {
     std::fill(out.begin(), out.end(), *expression.constant);
     return;
   }
-  std::vector<EvalColumn> inputs(columns_.size());
+  std::vector<EvalColumn> inputs(columns_.size() + block.edge_columns.size());
   for (const std::uint32_t slot : slots_read(expression)) {
-    const Column& column = columns_[slot];
-    if (column.values.size() == 1) {
-      inputs[slot] = {column.values.data(), 0};
-      continue;
-    }
-    std::vector<double>& gathered = gathered_[slot];
-    gathered.resize(block.size());
-    const std::vector<std::uint32_t>& index = column.is_pre ? block.pre : block.post;
-    for (std::size_t i = 0; i < block.size(); ++i) {
-      gathered[i] = column.values[index[i]];
-    }
-    inputs[slot] = {gathered.data(), 1};
+    inputs[slot] = gather(slot, block);
   }
   Evaluator(expression).evaluate(inputs, out);
 }

@@ -12,15 +12,19 @@
 
 namespace tectum {
 
-/// Local indices of the neurons of each pair.
+/// Local indices of the neurons of each pair, and what an edge list says of it.
 struct PairBlock {
   std::vector<std::uint32_t> pre;
   std::vector<std::uint32_t> post;
+  std::vector<std::vector<double>> edge_columns;
 
   [[nodiscard]] std::size_t size() const { return pre.size(); }
   void clear() {
     pre.clear();
     post.clear();
+    for (std::vector<double>& column : edge_columns) {
+      column.clear();
+    }
   }
   void add(std::uint32_t pre_index, std::uint32_t post_index) {
     pre.push_back(pre_index);
@@ -44,9 +48,11 @@ class PairVariables {
     std::vector<double> values;
     bool is_pre = true;
   };
-  void add_geometry(const Circuit& circuit, const Instance& instance, bool is_pre);
+  void add_geometry(const Instance& instance, bool is_pre);
+  EvalColumn gather(std::uint32_t slot, const PairBlock& block);
   void add_sides(const Circuit& circuit, const Instance& pre, const Instance& post);
 
+  std::uint32_t first_edge_slot_ = 0;
   std::vector<Column> columns_;                // slot by slot; empty where the variable has no meaning here
   std::vector<std::vector<double>> gathered_;  // slot by slot, for the block in hand
 };

@@ -12,7 +12,7 @@ namespace {
 constexpr int kSumBits = 30;
 constexpr std::int32_t kQuantumWithoutSynapses = -20;
 // The far tail of a kernel may vanish: errors are seen against at least this share of the strongest weight.
-constexpr double kNegligible = 1e-6;
+constexpr double kNegligible = 1e-3;
 
 /// Sums of |weight| and the number of synapses for each (neuron, receptor).
 struct SlotSums {

@@ -6,7 +6,7 @@
 
 namespace tectum {
 
-/// Largest relative error that rounding to quanta caused, projection by projection. Weights below a millionth of
+/// Largest relative error that rounding to quanta caused, projection by projection. Weights below a thousandth of
 /// the projection's strongest count as that much.
 struct RoundingReport {
   std::vector<double> largest_relative_error;  // index: ProjectionId

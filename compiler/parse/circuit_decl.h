@@ -22,6 +22,7 @@ struct ValueDecl {
   std::string text;                // as written, also of a number
   Span span;                       // without the quotes
   bool has_exact_offsets = false;  // byte i of `text` is byte span.begin + i of the file
+  std::uint32_t scope = 0;         // index into CircuitDecl::scopes: whose parameters the expression sees
 };
 
 /// A key whose meaning depends on the model or the rule: "tau_m": "20 ms", "times": ["1 ms", "2 ms"].
@@ -71,6 +72,12 @@ struct NeuronDecl {
   ProvenanceDecl provenance;
 };
 
+/// What differs on one side of an axis.
+struct ExceptionDecl {
+  NameDecl side;
+  std::vector<KeyedValue> values;
+};
+
 /// The input behind a population; `side` is empty when one input serves it whole.
 struct InputUseDecl {
   NameDecl side;
@@ -84,13 +91,18 @@ struct PopulationDecl {
   std::optional<ValueDecl> size;
   std::vector<NameDecl> axes;
   std::optional<NameDecl> nucleus;
+  std::vector<KeyedValue> position;   // x and y
   std::vector<KeyedValue> overrides;  // parameters of the neuron type, for this population
+  std::vector<ExceptionDecl> exceptions;
   ProvenanceDecl provenance;
 };
 
 struct RuleDecl {
   NameDecl kind;
   std::vector<KeyedValue> arguments;
+  std::optional<NameDecl> file;  // of an edge list, as written
+  std::string path;              // the same, as seen from here
+  std::vector<KeyedValue> columns;
 };
 
 /// One relation for every shared axis (axis empty), or one for a named axis.
@@ -111,6 +123,7 @@ struct ProjectionDecl {
   std::optional<ValueDecl> weight;
   std::optional<ValueDecl> delay;
   std::optional<ValueDecl> where;
+  std::vector<ExceptionDecl> exceptions;
   ProvenanceDecl provenance;
 };
 
@@ -174,6 +187,34 @@ struct LesionDecl {
   std::optional<ValueDecl> fraction;
 };
 
+/// A circuit inside the circuit, to be made several times.
+struct ModuleDecl {
+  NameDecl name;
+  std::vector<NameDecl> ports;  // names that its projections use and that each instance binds
+  std::vector<ParameterDecl> parameters;
+  std::vector<NeuronDecl> neurons;
+  std::vector<PopulationDecl> populations;
+  std::vector<ProjectionDecl> projections;
+};
+
+struct PortBinding {
+  NameDecl port;
+  std::vector<NameDecl> populations;
+};
+
+struct InstanceDecl {
+  NameDecl name;
+  NameDecl module;
+  std::vector<KeyedValue> parameters;
+  std::vector<PortBinding> ports;
+};
+
+/// The parameters that one instance of a module sees. Scope 0 is the circuit itself and has none of its own.
+struct ScopeDecl {
+  std::string prefix;
+  std::vector<ParameterDecl> parameters;
+};
+
 struct CircuitDecl {
   Span span;
   NameDecl name;
@@ -189,6 +230,9 @@ struct CircuitDecl {
   std::vector<OutputDecl> outputs;
   std::vector<JointDecl> joints;
   std::vector<LesionDecl> lesions;
+  std::vector<ModuleDecl> modules;
+  std::vector<InstanceDecl> instances;
+  std::vector<ScopeDecl> scopes;  // filled by expand_modules
 };
 
 /// One line a declaration, for `dump`.

@@ -2,56 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <string>
 #include <utility>
 
+#include "compiler/parse/expand_modules.h"
 #include "compiler/parse/object_reader.h"
+#include "compiler/parse/parse_section.h"
 #include "compiler/parse/parse_sections.h"
 
 namespace tectum {
 namespace {
-
-/// Names are what expressions, side suffixes ("EBN.left") and patterns ("EBN*") can speak of.
-bool is_identifier(std::string_view text) {
-  if (text.empty() || std::isdigit(static_cast<unsigned char>(text.front())) != 0) {
-    return false;
-  }
-  for (const char c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') {
-      return false;
-    }
-  }
-  return true;
-}
-
-template <typename Decl>
-std::vector<Decl> parse_section(const SectionContext& context, ObjectReader& circuit, std::string_view key,
-                                Decl (*parse)(const SectionContext&, const Member&)) {
-  std::vector<Decl> decls;
-  const JsonId id = circuit.child(key);
-  if (id == JsonId::None) {
-    return decls;
-  }
-  const JsonNode& section = context.tree[id];
-  if (section.kind != JsonKind::Object) {
-    context.diagnostics.add(
-        Code::WrongType, section.span,
-        {fmt::format("`{}`", key), std::string(kind_phrase(section.kind)), "an object of named declarations"});
-    return decls;
-  }
-  decls.reserve(section.child_count);
-  for (JsonId child = section.first_child; child != JsonId::None; child = context.tree[child].next_sibling) {
-    const JsonNode& node = context.tree[child];
-    const NameDecl name{node.key, {node.key_span.file, node.key_span.begin + 1, node.key_span.end - 1}};
-    if (!is_identifier(name.text)) {
-      context.diagnostics.add(Code::BadName, name.span, {name.text})
-          .help("a name is made of letters, digits and `_`, and does not start with a digit");
-    }
-    decls.push_back(parse(context, {name, child}));
-  }
-  return decls;
-}
 
 void check_language_version(const SectionContext& context, ObjectReader& reader) {
   const JsonId id = reader.child("tectum");
@@ -69,9 +29,9 @@ void check_language_version(const SectionContext& context, ObjectReader& reader)
 
 }  // namespace
 
-std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, Diagnostics& diagnostics) {
+std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& sources, Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
-  const SectionContext context{tree, diagnostics};
+  const SectionContext context{tree, sources, diagnostics};
   ObjectReader reader(tree, tree.root(), "the circuit", diagnostics);
   if (!reader.is_object()) {
     return std::nullopt;
@@ -94,7 +54,13 @@ std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, Diagnostics& diag
   decl.outputs = parse_section(context, reader, "outputs", parse_output);
   decl.joints = parse_section(context, reader, "joints", parse_joint);
   decl.lesions = parse_section(context, reader, "lesions", parse_lesion);
+  decl.modules = parse_section(context, reader, "modules", parse_module);
+  decl.instances = parse_section(context, reader, "instances", parse_instance);
   reader.finish();
+  if (diagnostics.error_count() > errors_before) {
+    return std::nullopt;
+  }
+  expand_modules(decl, diagnostics);
   if (diagnostics.error_count() > errors_before) {
     return std::nullopt;
   }

@@ -9,8 +9,9 @@
 namespace tectum {
 
 /// Checks the shape of a circuit: known keys, right JSON types, nothing missing. Reports every problem it
-/// finds and then returns nothing.
-[[nodiscard]] std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, Diagnostics& diagnostics);
+/// finds and then returns nothing. Modules come out expanded. `sources` says in which directory each file lies.
+[[nodiscard]] std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& sources,
+                                                       Diagnostics& diagnostics);
 
 /// The one language version there is.
 inline constexpr int kLanguageVersion = 1;

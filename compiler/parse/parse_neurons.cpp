@@ -146,6 +146,16 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
   decl.size = reader.value("size");
   decl.axes = reader.names("axis");
   decl.nucleus = reader.name("nucleus");
+  if (const JsonId id = reader.child("position"); id != JsonId::None) {
+    ObjectReader position(context.tree, id, "`position`", context.diagnostics);
+    static_cast<void>(position.required_value("x"));
+    static_cast<void>(position.required_value("y"));
+    position.finish();
+    if (position.is_object()) {
+      decl.position = ObjectReader(context.tree, id, "`position`", context.diagnostics).rest();
+    }
+  }
+  decl.exceptions = parse_exceptions(context, reader);
   decl.provenance = reader.provenance();
   decl.overrides = reader.rest();
   if (reader.has("neuron") && reader.has("input")) {

@@ -14,6 +14,7 @@ namespace tectum {
 /// Where a section's parser stands.
 struct SectionContext {
   const JsonTree& tree;
+  const Sources& sources;
   Diagnostics& diagnostics;
 };
 
@@ -22,6 +23,11 @@ struct Member {
   NameDecl name;
   JsonId id;
 };
+
+class ObjectReader;
+
+/// "exceptions": { "left": { "weight": "2 nA" } } of a population or a projection.
+std::vector<ExceptionDecl> parse_exceptions(const SectionContext& context, ObjectReader& owner);
 
 /// "population `EBN`".
 [[nodiscard]] std::string described(std::string_view kind, const NameDecl& name);
@@ -35,6 +41,8 @@ ProjectionDecl parse_projection(const SectionContext& context, const Member& mem
 RetinaDecl parse_input(const SectionContext& context, const Member& member);
 OutputDecl parse_output(const SectionContext& context, const Member& member);
 JointDecl parse_joint(const SectionContext& context, const Member& member);
+ModuleDecl parse_module(const SectionContext& context, const Member& member);
+InstanceDecl parse_instance(const SectionContext& context, const Member& member);
 LesionDecl parse_lesion(const SectionContext& context, const Member& member);
 
 }  // namespace tectum

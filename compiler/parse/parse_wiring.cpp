@@ -1,6 +1,8 @@
 // Projections and lesions.
+#include <string>
 #include <utility>
 
+#include "compiler/parse/compose.h"
 #include "compiler/parse/object_reader.h"
 #include "compiler/parse/parse_sections.h"
 
@@ -22,6 +24,14 @@ RuleDecl parse_rule(const SectionContext& context, ObjectReader& projection) {
   }
   ObjectReader reader(context.tree, id, "`rule`", context.diagnostics);
   rule.kind = reader.required_name("kind");
+  if (rule.kind.text == "edges") {
+    rule.file = reader.required_name("file");
+    rule.path = resolve_path(context.sources.file(rule.file->span.file).name, rule.file->text);
+    if (const JsonId columns = reader.child("columns"); columns != JsonId::None) {
+      ObjectReader column_reader(context.tree, columns, "`columns`", context.diagnostics);
+      rule.columns = column_reader.rest();
+    }
+  }
   rule.arguments = reader.rest();
   reader.finish();
   return rule;
@@ -52,6 +62,30 @@ std::vector<SideDecl> parse_side(const SectionContext& context, ObjectReader& pr
 
 }  // namespace
 
+std::vector<ExceptionDecl> parse_exceptions(const SectionContext& context, ObjectReader& owner) {
+  std::vector<ExceptionDecl> exceptions;
+  const JsonId id = owner.child("exceptions");
+  if (id == JsonId::None) {
+    return exceptions;
+  }
+  const JsonNode& list = context.tree[id];
+  if (list.kind != JsonKind::Object) {
+    context.diagnostics.add(Code::WrongType, list.span,
+                            {"`exceptions`", std::string(kind_phrase(list.kind)), "an object of side: what differs"});
+    return exceptions;
+  }
+  for (JsonId child = list.first_child; child != JsonId::None; child = context.tree[child].next_sibling) {
+    const JsonNode& node = context.tree[child];
+    ExceptionDecl decl;
+    decl.side = {node.key, {node.key_span.file, node.key_span.begin + 1, node.key_span.end - 1}};
+    ObjectReader reader(context.tree, child, described("exception", decl.side), context.diagnostics);
+    static_cast<void>(reader.provenance());
+    decl.values = reader.rest();
+    exceptions.push_back(std::move(decl));
+  }
+  return exceptions;
+}
+
 ProjectionDecl parse_projection(const SectionContext& context, const Member& member) {
   ObjectReader reader(context.tree, member.id, described("projection", member.name), context.diagnostics);
   ProjectionDecl decl;
@@ -66,6 +100,7 @@ ProjectionDecl parse_projection(const SectionContext& context, const Member& mem
   decl.weight = reader.required_value("weight");
   decl.delay = reader.required_value("delay");
   decl.where = reader.value("where");
+  decl.exceptions = parse_exceptions(context, reader);
   decl.provenance = reader.provenance();
   reader.finish();
   return decl;

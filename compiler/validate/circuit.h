@@ -49,6 +49,7 @@ struct Population {
   std::uint32_t size = 0;  // of each side
   std::vector<AxisId> axes;
   std::vector<Receptor> receptors;
+  std::optional<Dimension> position_dimension;  // of its neurons' x and y, where they have a place
   InstanceId first_instance{};
   std::uint32_t instance_count = 1;
 };
@@ -60,10 +61,13 @@ struct Instance {
   /// By language name; one value for all neurons, or one a neuron.
   std::map<std::string, std::vector<double>> parameters;
   std::vector<std::uint32_t> spike_ticks;  // spike_list: ascending
+  /// Where the neurons lie, coherent units; for a retina deg from the optical axis, right and up positive.
+  std::vector<double> x, y;
+  std::vector<double> ecc;  // retina: deg between the field's ray and the axis
   std::optional<RetinaId> retina;
 };
 
-enum class RuleKind : std::uint8_t { OneToOne, AllToAll, FixedProbability, FixedInDegree, FixedOutDegree };
+enum class RuleKind : std::uint8_t { OneToOne, AllToAll, FixedProbability, FixedInDegree, FixedOutDegree, EdgeList };
 enum class Relation : std::uint8_t { Ipsi, Contra, Both };
 
 /// A population, or one side of it; fixed_sides has one entry an axis of the population.
@@ -76,6 +80,22 @@ struct Endpoint {
 struct AxisRelation {
   AxisId axis{};
   Relation relation = Relation::Ipsi;
+};
+
+/// Wiring in a file: one row a synapse.
+struct EdgeTable {
+  std::string path;
+  Span span;
+  bool has_header = true;
+  std::vector<std::size_t> columns;  // of the file: pre, post, then those that expressions read
+  std::uint64_t first_index = 0;     // what the file calls the first neuron
+};
+
+/// What differs where the target (or, where it has no side, the source) is on this side.
+struct SideException {
+  std::string side;
+  std::optional<TypedExpression> weight;
+  std::optional<TypedExpression> delay;
 };
 
 struct Projection {
@@ -93,13 +113,16 @@ struct Projection {
   TypedExpression weight;
   TypedExpression delay;  // ms
   std::optional<TypedExpression> where;
+  std::optional<EdgeTable> edges;
+  std::vector<SideException> exceptions;
   Span weight_span;
   Span delay_span;
   std::string cite;  // reference keys, comma separated
 };
 
 /// Variables of projection expressions, as evaluator slots. Three more follow for each axis a:
-/// kFirstAxisVariable + 3 a + {0: side of pre, 1: side of post, 2: hemifield of pre}.
+/// kFirstAxisVariable + 3 a + {0: side of pre, 1: side of post, 2: hemifield of pre}, and then the columns of an edge
+/// list. Places are in the coherent units of the populations' positions.
 enum PairVariable : std::uint32_t {
   kPreIndex,
   kPostIndex,
@@ -107,12 +130,13 @@ enum PairVariable : std::uint32_t {
   kPostSize,
   kPrePosition,  // (index + 1/2) / size
   kPostPosition,
-  kPreX,  // deg from the optical axis, right positive
-  kPreY,  // up positive
+  kPreX,
+  kPreY,
   kPreEccentricity,
   kPostX,
   kPostY,
   kPostEccentricity,
+  kDistance,  // between (pre.x, pre.y) and (post.x, post.y)
   kFirstAxisVariable
 };
 
@@ -163,6 +187,7 @@ struct Circuit {
   std::string name;
   std::uint64_t tick_ns = 0;
   std::uint64_t seed = 0;
+  bool has_references = false;  // the file keeps track of its sources
   std::vector<Axis> axes;
   std::vector<Population> populations;
   std::vector<Instance> instances;

@@ -22,8 +22,8 @@ std::string value_text(const TypedExpression& expression) {
   return expression.constant ? format_quantity({*expression.constant, expression.dimension}) : "by pair";
 }
 
-constexpr const char* kRuleNames[] = {"one_to_one", "all_to_all", "fixed_probability", "fixed_in_degree",
-                                      "fixed_out_degree"};
+constexpr const char* kRuleNames[] = {"one_to_one",      "all_to_all",       "fixed_probability",
+                                      "fixed_in_degree", "fixed_out_degree", "edges"};
 
 }  // namespace
 

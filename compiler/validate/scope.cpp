@@ -78,7 +78,13 @@ std::optional<TypedExpression> Scope::expression(const ValueDecl& value, const E
   std::vector<ExprError> errors;
   std::optional<TypedExpression> typed;
   if (const auto parsed = parse_expression(value.text, errors)) {
-    typed = type_expression(*parsed, names, errors);
+    if (value.scope == 0) {
+      typed = type_expression(*parsed, names, errors);
+    } else {
+      Environment scoped = names;
+      scoped.outer = &instances[value.scope];
+      typed = type_expression(*parsed, scoped, errors);
+    }
   }
   report(value, errors);
   return typed;
@@ -107,7 +113,8 @@ std::optional<TypedExpression> Scope::expression(const ValueDecl& value, const E
 
 std::optional<Quantity> Scope::quantity(const ValueDecl& value) {
   std::vector<ExprError> errors;
-  const auto result = evaluate_constant(value.text, environment, errors);
+  const Environment& names = value.scope == 0 ? environment : instances[value.scope];
+  const auto result = evaluate_constant(value.text, names, errors);
   report(value, errors);
   return result;
 }

@@ -17,8 +17,9 @@ class Scope {
  public:
   explicit Scope(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  Environment environment;       // parameters and words
-  std::set<std::string> broken;  // declared but wrong: uses of them are not reported again
+  Environment environment;             // the circuit's parameters, and words
+  std::vector<Environment> instances;  // by ValueDecl::scope; each has the circuit's behind it
+  std::set<std::string> broken;        // declared but wrong: uses of them are not reported again
 
   /// Parses and types in `names`; reports and returns nothing when that fails.
   std::optional<TypedExpression> expression(const ValueDecl& value, const Environment& names);

@@ -76,6 +76,7 @@ std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overri
   const std::size_t errors_before = diagnostics.error_count();
   Validation v{decl, overrides, Scope(diagnostics), {}, {}, {}, {}, {}, {}};
   v.circuit.name = decl.name.text;
+  v.circuit.has_references = !decl.references.empty();
   validate_axes(v);
   validate_parameters(v);
   validate_time(v);

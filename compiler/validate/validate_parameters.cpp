@@ -8,13 +8,24 @@ namespace {
 
 enum class Progress : std::uint8_t { Waiting, Open, Done };
 
+/// Evaluates a list of parameters into the names of their scope.
 class ParameterOrder {
  public:
-  explicit ParameterOrder(Validation& v) : v_(v), progress_(v.decl.parameters.size(), Progress::Waiting) {
-    for (const ParameterDecl& parameter : v.decl.parameters) {
+  ParameterOrder(Validation& v, const ScopeDecl& scope, std::uint32_t number, Environment& names)
+      : v_(v),
+        parameters_(scope.parameters),
+        scope_(number),
+        names_(names),
+        progress_(scope.parameters.size(), Progress::Waiting) {
+    const std::string prefix = scope.prefix.empty() ? "" : scope.prefix + ".";
+    for (const ParameterDecl& parameter : scope.parameters) {
       values_.push_back(&parameter.value);
+      for (const ParameterDecl& given : v.overrides.parameters) {
+        if (given.name.text == prefix + parameter.name.text) {
+          values_.back() = &given.value;
+        }
+      }
     }
-    apply_overrides();
   }
 
   void run() {
@@ -25,28 +36,16 @@ class ParameterOrder {
 
  private:
   std::optional<std::size_t> find(std::string_view name) const {
-    for (std::size_t i = 0; i < v_.decl.parameters.size(); ++i) {
-      if (v_.decl.parameters[i].name.text == name) {
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      if (parameters_[i].name.text == name) {
         return i;
       }
     }
     return std::nullopt;
   }
 
-  void apply_overrides() {
-    for (const ParameterDecl& parameter : v_.overrides.parameters) {
-      if (const auto i = find(parameter.name.text)) {
-        values_[*i] = &parameter.value;
-      } else {
-        v_.diagnostics()
-            .add(Code::UnknownOverride, parameter.name.span, {parameter.name.text})
-            .help_if(nearest_name(parameter.name.text, names_of(v_.decl.parameters)), "did you mean `{}`?");
-      }
-    }
-  }
-
   void resolve(std::size_t i) {
-    const ParameterDecl& parameter = v_.decl.parameters[i];
+    const ParameterDecl& parameter = parameters_[i];
     if (progress_[i] == Progress::Done) {
       return;
     }
@@ -58,7 +57,10 @@ class ParameterOrder {
     }
     progress_[i] = Progress::Open;
     std::vector<ExprError> ignored;  // reported when the value is evaluated
-    if (const auto parsed = parse_expression(values_[i]->text, ignored)) {
+    // What an instance gives for a module's parameter is written outside the module and sees none of its names.
+    const bool sees_siblings = values_[i]->scope == scope_;
+    const auto parsed = parse_expression(values_[i]->text, ignored);
+    if (parsed && sees_siblings) {
       for (const NameUse& use : names_in(*parsed)) {
         if (const auto other = find(use.name)) {
           resolve(*other);
@@ -75,7 +77,7 @@ class ParameterOrder {
       v_.scope.broken.insert(parameter.name.text);
       return;
     }
-    v_.scope.environment.add_constant(parameter.name.text, *quantity);
+    names_.add_constant(parameter.name.text, *quantity);
     if (parameter.range.size() == 2) {
       check_range(parameter, value, *quantity);
     }
@@ -99,6 +101,9 @@ class ParameterOrder {
   }
 
   Validation& v_;
+  const std::vector<ParameterDecl>& parameters_;
+  std::uint32_t scope_;
+  Environment& names_;
   std::vector<Progress> progress_;
   std::vector<const ValueDecl*> values_;
 };
@@ -110,17 +115,44 @@ bool is_reserved(const Validation& v, const std::string& name) {
   return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end() || v.circuit.words.count(name) != 0;
 }
 
+void report_unknown_overrides(Validation& v) {
+  std::vector<std::string> names = names_of(v.decl.parameters);
+  for (const ScopeDecl& scope : v.decl.scopes) {
+    for (const ParameterDecl& parameter : scope.parameters) {
+      names.push_back(scope.prefix + "." + parameter.name.text);
+    }
+  }
+  for (const ParameterDecl& given : v.overrides.parameters) {
+    if (std::find(names.begin(), names.end(), given.name.text) == names.end()) {
+      v.diagnostics()
+          .add(Code::UnknownOverride, given.name.span, {given.name.text})
+          .help_if(nearest_name(given.name.text, names), "did you mean `{}`?");
+    }
+  }
+}
+
 }  // namespace
 
 void validate_parameters(Validation& v) {
-  for (const ParameterDecl& parameter : v.decl.parameters) {
-    if (is_reserved(v, parameter.name.text)) {
-      v.diagnostics()
-          .add(Code::BadName, parameter.name.span, {parameter.name.text})
-          .help("it has a meaning of its own in expressions");
+  const auto check_names = [&](const std::vector<ParameterDecl>& parameters) {
+    for (const ParameterDecl& parameter : parameters) {
+      if (is_reserved(v, parameter.name.text)) {
+        v.diagnostics()
+            .add(Code::BadName, parameter.name.span, {parameter.name.text})
+            .help("it has a meaning of its own in expressions");
+      }
     }
+  };
+  report_unknown_overrides(v);
+  check_names(v.decl.parameters);
+  const ScopeDecl circuit{"", v.decl.parameters};
+  ParameterOrder(v, circuit, 0, v.scope.environment).run();
+  v.scope.instances.resize(v.decl.scopes.size());
+  for (std::uint32_t i = 1; i < v.decl.scopes.size(); ++i) {
+    v.scope.instances[i].outer = &v.scope.environment;
+    check_names(v.decl.scopes[i].parameters);
+    ParameterOrder(v, v.decl.scopes[i], i, v.scope.instances[i]).run();
   }
-  ParameterOrder(v).run();
 }
 
 }  // namespace tectum

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "compiler/validate/slot_use.h"
+#include "compiler/validate/read_edge_table.h"
 #include "compiler/validate/validation.h"
 
 namespace tectum {
@@ -22,6 +22,7 @@ constexpr std::array kRules = {
     RuleSpelling{"fixed_probability", RuleKind::FixedProbability, {"p", "autapses"}},
     RuleSpelling{"fixed_in_degree", RuleKind::FixedInDegree, {"n", "autapses"}},
     RuleSpelling{"fixed_out_degree", RuleKind::FixedOutDegree, {"n", "autapses"}},
+    RuleSpelling{"edges", RuleKind::EdgeList, {nullptr, "first_index"}},
 };
 
 class ProjectionValidator {
@@ -39,11 +40,13 @@ class ProjectionValidator {
     if (knows_ends) {
       sides();
     }
+    if (knows_ends) {
+      make_environment();
+    }
     rule();
     if (!knows_ends) {
       return;  // without its ends, nothing more can be said of it that is not a consequence
     }
-    make_environment();
     receptors();
     weight();
     delay();
@@ -156,7 +159,7 @@ class ProjectionValidator {
     return std::nullopt;
   }
 
-  void only_sides() {
+  [[nodiscard]] std::vector<std::string> known_sides() const {
     std::vector<std::string> known;
     for (const std::vector<Endpoint>* ends : {&made_.to, &made_.from}) {
       for (const Endpoint& end : *ends) {
@@ -166,6 +169,11 @@ class ProjectionValidator {
         }
       }
     }
+    return known;
+  }
+
+  void only_sides() {
+    const std::vector<std::string> known = known_sides();
     for (const NameDecl& side : decl_.only_sides) {
       if (std::find(known.begin(), known.end(), side.text) == known.end()) {
         v_.diagnostics()
@@ -197,6 +205,9 @@ class ProjectionValidator {
       return;
     }
     made_.rule = spelling->kind;
+    if (made_.rule == RuleKind::EdgeList) {
+      edge_table();
+    }
     bool has_first = spelling->arguments[0] == nullptr || std::string_view(spelling->arguments[0]) == "autapses";
     for (const KeyedValue& argument : decl_.rule.arguments) {
       const bool is_known = std::any_of(spelling->arguments.begin(), spelling->arguments.end(),
@@ -218,15 +229,33 @@ class ProjectionValidator {
     }
   }
 
+  void edge_table() {
+    if (!decl_.rule.file) {
+      return;  // its absence has been reported
+    }
+    EdgeTableReader reader(v_, decl_.rule);
+    made_.edges = reader.read();
+    if (!made_.edges) {
+      is_sound_ = false;
+      return;
+    }
+    const std::uint32_t first = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(v_.circuit.axes.size());
+    for (std::uint32_t c = 0; c < reader.variables().size(); ++c) {
+      names_.add_variable("edge." + reader.variables()[c], kNumber, first + c);
+    }
+  }
+
   void rule_argument(const KeyedValue& argument) {
     const ValueDecl& value = argument.values.front();
     if (argument.key.text == "autapses") {
       made_.allows_autapses = v_.scope.constant(value, "autapses", kBoolean).value_or(0) != 0;
+    } else if (argument.key.text == "first_index") {
+      if (made_.edges) {
+        made_.edges->first_index = v_.scope.whole(value, "first_index", 0, 0xFFFFFFFFU).value_or(0);
+      }
     } else if (argument.key.text == "n") {
       made_.degree = static_cast<std::uint32_t>(v_.scope.whole(value, "n", 1, 0xFFFFFFFFU).value_or(1));
-      degree_span_ = value.span;
     } else if (is_sound_) {
-      make_environment();
       made_.probability = v_.scope.expression(value, names_, "p", kNumber);
       if (made_.probability && made_.probability->constant) {
         const double p = *made_.probability->constant;
@@ -250,9 +279,6 @@ class ProjectionValidator {
   }
 
   void make_environment() {
-    if (names_.outer != nullptr) {
-      return;
-    }
     names_.outer = &v_.scope.environment;
     names_.add_variable("pre.index", kNumber, kPreIndex);
     names_.add_variable("post.index", kNumber, kPostIndex);
@@ -260,19 +286,43 @@ class ProjectionValidator {
     names_.add_variable("post.size", kNumber, kPostSize);
     names_.add_variable("pre.pos", kNumber, kPrePosition);
     names_.add_variable("post.pos", kNumber, kPostPosition);
-    const bool pre_has_fields = has_fields(made_.from);
-    if (pre_has_fields) {
-      names_.add_variable("pre.x", kAngle, kPreX);
-      names_.add_variable("pre.y", kAngle, kPreY);
-      names_.add_variable("pre.ecc", kAngle, kPreEccentricity);
-      names_.add_variable("x", kAngle, kPreX);
-      names_.add_variable("y", kAngle, kPreY);
-      names_.add_variable("ecc", kAngle, kPreEccentricity);
-    }
-    side_names(pre_has_fields);
+    place_names();
   }
 
-  void side_names(bool pre_has_fields) {
+  /// The dimension in which all of these populations have positions, if they do.
+  [[nodiscard]] std::optional<Dimension> position_dimension(const std::vector<Endpoint>& ends) const {
+    std::optional<Dimension> common = population(ends.front()).position_dimension;
+    for (const Endpoint& end : ends) {
+      common = population(end).position_dimension == common ? common : std::nullopt;
+    }
+    return common;
+  }
+
+  void place_names() {
+    const auto pre = position_dimension(made_.from);
+    const auto post = position_dimension(made_.to);
+    if (pre) {
+      names_.add_variable("pre.x", *pre, kPreX);
+      names_.add_variable("pre.y", *pre, kPreY);
+      names_.add_variable("x", *pre, kPreX);
+      names_.add_variable("y", *pre, kPreY);
+    }
+    if (post) {
+      names_.add_variable("post.x", *post, kPostX);
+      names_.add_variable("post.y", *post, kPostY);
+    }
+    if (pre && pre == post) {
+      names_.add_variable("distance", *pre, kDistance);
+    }
+    const bool pre_has_fields = has_fields(made_.from);
+    if (pre_has_fields) {
+      names_.add_variable("pre.ecc", kAngle, kPreEccentricity);
+      names_.add_variable("ecc", kAngle, kPreEccentricity);
+    }
+    side_names(pre == kAngle);
+  }
+
+  void side_names(bool pre_has_angles) {
     std::vector<AxisId> post_axes = population(made_.to.front()).axes;
     std::vector<AxisId> pre_axes = population(made_.from.front()).axes;
     std::vector<AxisId> spatial;
@@ -291,7 +341,7 @@ class ProjectionValidator {
       if (pre_has || post_has) {
         names_.add_variable("side." + axis.name, kWord, slot + (post_has ? 1 : 0));
       }
-      if (pre_has_fields && is_spatial(axis)) {
+      if (pre_has_angles && is_spatial(axis)) {
         names_.add_variable("hemifield." + axis.name, kWord, slot + 2);
         if (post_has) {
           spatial.push_back(id);
@@ -370,13 +420,45 @@ class ProjectionValidator {
         return;
       }
     }
-    if (auto typed = v_.scope.expression(*decl_.weight, names_, "weight", unit.dimension)) {
-      if (typed->constant && *typed->constant < 0) {
-        v_.diagnostics()
-            .add(Code::NegativeWeight, decl_.weight->span, {shown(*typed->constant, unit.dimension)})
-            .help("write `\"sign\": \"inhibitory\"` and the weight without its minus");
-      }
+    if (auto typed = weight_of(*decl_.weight, unit)) {
       made_.weight = std::move(*typed);
+    }
+    exceptions(unit);
+  }
+
+  std::optional<TypedExpression> weight_of(const ValueDecl& value, const Unit& unit) {
+    auto typed = v_.scope.expression(value, names_, "weight", unit.dimension);
+    if (typed && typed->constant && *typed->constant < 0) {
+      v_.diagnostics()
+          .add(Code::NegativeWeight, value.span, {shown(*typed->constant, unit.dimension)})
+          .help("write `\"sign\": \"inhibitory\"` and the weight without its minus");
+    }
+    return typed;
+  }
+
+  /// Weights and delays that hold on one side only.
+  void exceptions(const Unit& unit) {
+    for (const ExceptionDecl& decl : decl_.exceptions) {
+      const std::vector<std::string> known = known_sides();
+      if (std::find(known.begin(), known.end(), decl.side.text) == known.end()) {
+        v_.diagnostics()
+            .add(Code::UnknownSide, decl.side.span, {decl_.to.front().text, decl.side.text})
+            .help_if(nearest_name(decl.side.text, known), "did you mean `{}`?");
+      }
+      SideException exception;
+      exception.side = decl.side.text;
+      for (const KeyedValue& keyed : decl.values) {
+        if (keyed.key.text == "weight" && keyed.values.size() == 1) {
+          exception.weight = weight_of(keyed.values.front(), unit);
+        } else if (keyed.key.text == "delay" && keyed.values.size() == 1) {
+          exception.delay = delay_of(keyed.values.front());
+        } else {
+          v_.diagnostics()
+              .add(Code::UnknownKey, keyed.key.span, {keyed.key.text, fmt::format("exception `{}`", decl.side.text)})
+              .help("an exception gives `weight` or `delay`");
+        }
+      }
+      made_.exceptions.push_back(std::move(exception));
     }
   }
 
@@ -385,27 +467,30 @@ class ProjectionValidator {
       return;
     }
     made_.delay_span = decl_.delay->span;
-    auto typed = v_.scope.expression(*decl_.delay, names_, "delay", kTime);
-    if (!typed) {
-      return;
+    if (auto typed = delay_of(*decl_.delay)) {
+      made_.delay = std::move(*typed);
     }
-    if (typed->constant) {
-      const double delay_ms = *typed->constant;
-      const auto ticks = whole_ticks(delay_ms, v_.circuit.tick_ns);
-      if (delay_ms < 0) {
-        v_.diagnostics().add(Code::OutOfRange, decl_.delay->span, {"delay", shown(delay_ms, kTime), "0 ms and more"});
-      } else if (!ticks) {
-        const double tick_ms = v_.circuit.tick_ms();
-        const double below = std::floor(delay_ms / tick_ms) * tick_ms;
-        v_.diagnostics()
-            .add(Code::DelayNotTicks, decl_.delay->span, {shown(delay_ms, kTime), shown(tick_ms, kTime)})
-            .help(fmt::format("the nearest are {:g} ms and {:g} ms", below, below + tick_ms));
-      } else if (*ticks > kMaxDelayTicks) {
-        v_.diagnostics().add(Code::DelayTooLong, decl_.delay->span,
-                             {shown(delay_ms, kTime), fmt::format("{}", kMaxDelayTicks)});
-      }
+  }
+
+  std::optional<TypedExpression> delay_of(const ValueDecl& value) {
+    auto typed = v_.scope.expression(value, names_, "delay", kTime);
+    if (!typed || !typed->constant) {
+      return typed;
     }
-    made_.delay = std::move(*typed);
+    const double delay_ms = *typed->constant;
+    const auto ticks = whole_ticks(delay_ms, v_.circuit.tick_ns);
+    if (delay_ms < 0) {
+      v_.diagnostics().add(Code::OutOfRange, value.span, {"delay", shown(delay_ms, kTime), "0 ms and more"});
+    } else if (!ticks) {
+      const double tick_ms = v_.circuit.tick_ms();
+      const double below = std::floor(delay_ms / tick_ms) * tick_ms;
+      v_.diagnostics()
+          .add(Code::DelayNotTicks, value.span, {shown(delay_ms, kTime), shown(tick_ms, kTime)})
+          .help(fmt::format("the nearest are {:g} ms and {:g} ms", below, below + tick_ms));
+    } else if (*ticks > kMaxDelayTicks) {
+      v_.diagnostics().add(Code::DelayTooLong, value.span, {shown(delay_ms, kTime), fmt::format("{}", kMaxDelayTicks)});
+    }
+    return typed;
   }
 
   void where() {
@@ -442,7 +527,6 @@ class ProjectionValidator {
   const ProjectionDecl& decl_;
   Projection& made_;
   Environment names_;
-  Span degree_span_;
   bool is_sound_ = true;
 };
 

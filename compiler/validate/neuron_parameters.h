@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "compiler/validate/validation.h"
+
+namespace tectum {
+
+/// Where a population's values come from, in the order in which they hold.
+struct ParameterSources {
+  const std::vector<KeyedValue>& parameters;  // of the neuron type and the population
+  const std::vector<ExceptionDecl>& exceptions;
+  const std::vector<KeyedValue>& position;
+};
+
+/// Evaluates the parameters of every side of a population, neuron by neuron where they vary, and its positions.
+/// Needs: the population's model, size, axes and instances, and its retinas' positions.
+void apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
+                      const NameDecl& owner);
+
+}  // namespace tectum

@@ -39,8 +39,7 @@ Ready wait_for(int file, short events, TimeNs deadline_ns) noexcept {
     const timespec left = to_timespec(deadline_ns - monotonic_ns());
     const int count = ppoll(&wanted, 1, &left, nullptr);
     if (count > 0) {
-      // Bytes that came before the other end hung up are still there to be read.
-      return (wanted.revents & events) != 0 ? Ready::Yes : Ready::Gone;
+      return (wanted.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0 ? Ready::Gone : Ready::Yes;
     }
     if (count == 0) {
       return Ready::TimedOut;
@@ -163,8 +162,12 @@ LinkRead SerialPort::read(std::span<std::uint8_t> out, std::size_t& count, TimeN
         break;
       case Ready::TimedOut:
         return LinkRead::TimedOut;
-      case Ready::Gone:
-        return LinkRead::Gone;
+      case Ready::Gone: {
+        // Bytes that came before the other end hung up are still there.
+        const ssize_t last = ::read(file_, out.data(), out.size());
+        count = last > 0 ? static_cast<std::size_t>(last) : 0;
+        return count > 0 ? LinkRead::Bytes : LinkRead::Gone;
+      }
     }
   }
 }

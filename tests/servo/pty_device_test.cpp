@@ -4,7 +4,9 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
+#include <thread>
 #include <vector>
 
 #include "drivers/servo/ax12_bus.h"
@@ -123,6 +125,22 @@ TEST_CASE("a read returns at its deadline when nothing comes") {
   const TimeNs deadline_ns = port->now_ns() + 20 * kMs;
   CHECK(port->read(bytes, count, deadline_ns) == LinkRead::TimedOut);
   CHECK(port->now_ns() >= deadline_ns);
+}
+
+// A terminal that has hung up is ready to be read for ever, and has nothing: a loop that only asks whether it is ready
+// spins.
+TEST_CASE("a port that is pulled while a read waits is gone at once") {
+  Bench bench;
+  const auto port = bench.open_port();
+  REQUIRE(port != nullptr);
+  std::thread puller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    bench.device->unplug();
+  });
+  Bytes bytes(8);
+  std::size_t count = 0;
+  CHECK(port->read(bytes, count, port->now_ns() + 20'000 * kMs) == LinkRead::Gone);
+  puller.join();
 }
 
 TEST_CASE("an existing file is not overwritten by the terminal's link") {

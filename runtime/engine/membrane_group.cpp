@@ -19,9 +19,6 @@ float without_dust(float value) noexcept {
   return (std::bit_cast<std::uint32_t>(value) & kLargeExponent) != 0 ? value : 0.0F;
 }
 
-// As the vector instructions do it: the second where neither is larger.
-float larger(float a, float b) noexcept { return a > b ? a : b; }
-
 float normal_or_zero(double value) {
   return std::abs(value) < static_cast<double>(std::numeric_limits<float>::min()) ? 0.0F : static_cast<float>(value);
 }
@@ -36,6 +33,14 @@ void append_scaled(std::span<const float> entry, const std::vector<double>& unit
 }
 
 std::size_t padded(std::uint32_t size) { return (std::size_t{size} + kWordLanes - 1) / kWordLanes * kWordLanes; }
+
+// std::popcount is a call on processors that may lack the instruction.
+std::uint32_t count_bits(std::uint64_t word) noexcept {
+  word -= (word >> 1U) & 0x5555555555555555ULL;
+  word = (word & 0x3333333333333333ULL) + ((word >> 2U) & 0x3333333333333333ULL);
+  word = (word + (word >> 4U)) & 0x0F0F0F0F0F0F0F0FULL;
+  return static_cast<std::uint32_t>((word * 0x0101010101010101ULL) >> 56U);
+}
 
 // In a word with few neurons awake, going through them one by one is faster than the whole vectors.
 std::uint32_t dense_lanes(SweepStrategy strategy) {
@@ -59,8 +64,10 @@ MembraneGroup::MembraneGroup(const SpikeImage& image, const GroupRecord& group, 
       may_sleep_((group.flags & kGroupMaySleep) != 0),
       dense_lanes_(dense_lanes(options.sweep)),
       u_(padded(size_)),
-      refractory_(padded(size_)),
+      refractory_(padded(size_) + 1),  // the gather of the last counter reads one more
       awake_(may_sleep_ ? padded(size_) / kWordLanes : 0),
+      awake_words_((awake_.size() + kWordLanes - 1) / kWordLanes),
+      picked_(std::make_unique_for_overwrite<std::uint32_t[]>(may_sleep_ ? size_ : 0)),
       valid_after_(may_sleep_ ? padded(size_) : 0) {
   derive_constants(image, group);
   derive_thresholds(image, group);
@@ -147,6 +154,7 @@ void MembraneGroup::reset() noexcept {
   for (std::size_t w = 0; w < awake_.size(); ++w) {
     const std::size_t left = size_ - w * kWordLanes;
     awake_[w] = left >= kWordLanes ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
+    awake_words_[w / kWordLanes] |= std::uint64_t{1} << (w % kWordLanes);
   }
 }
 
@@ -157,13 +165,6 @@ MembraneGroup::State MembraneGroup::load(std::uint32_t neuron) const noexcept {
     state.currents[c] = currents_[c * args_.stride + neuron];
   }
   return state;
-}
-
-void MembraneGroup::store(std::uint32_t neuron, const State& state) noexcept {
-  u_[neuron] = state.u;
-  for (std::uint32_t c = 0; c < args_.current_count; ++c) {
-    currents_[c * args_.stride + neuron] = state.currents[c];
-  }
 }
 
 void MembraneGroup::remove_dust(State& state) const noexcept {
@@ -198,100 +199,87 @@ void MembraneGroup::leap(std::uint32_t ticks, State& state) const noexcept {
   remove_dust(state);
 }
 
-bool MembraneGroup::finish_tick(std::uint32_t neuron, std::int32_t* inputs, State& state) noexcept {
-  for (std::uint32_t r = 0; r < args_.receptor_count; ++r) {
-    std::int32_t& input = inputs[r * args_.input_stride + neuron];
-    const auto quanta = static_cast<float>(input);
-    input = 0;
-    if (model_ == ModelKind::LifDelta) {
-      state.u += args_.delta_quantum_mv[r] * quanta;
-    } else {
-      state.currents[r] += quanta;
-    }
-  }
-  if (refractory_[neuron] > 0) {
-    --refractory_[neuron];
-    state.u = reset_mv_[has_own_thresholds_ ? neuron : 0];
-    return false;
-  }
-  if (!(state.u >= threshold_mv_[has_own_thresholds_ ? neuron : 0])) {
-    return false;
-  }
-  state.u = reset_mv_[has_own_thresholds_ ? neuron : 0];
-  refractory_[neuron] = static_cast<std::uint16_t>(args_.refractory_ticks);
-  if (model_ == ModelKind::Alif) {
-    state.currents[args_.current_count - 1] += args_.adaptation_step_na;
-  }
-  return true;
+void MembraneGroup::set_awake(std::uint32_t neuron, bool is_awake) noexcept {
+  const std::uint32_t word = neuron / kWordLanes;
+  const std::uint64_t lane = std::uint64_t{1} << (neuron % kWordLanes);
+  awake_[word] = is_awake ? awake_[word] | lane : awake_[word] & ~lane;
+  const std::uint64_t bit = std::uint64_t{1} << (word % kWordLanes);
+  std::uint64_t& summary = awake_words_[word / kWordLanes];
+  summary = awake_[word] != 0 ? summary | bit : summary & ~bit;
 }
 
-bool MembraneGroup::may_sleep_now(std::uint32_t neuron, const State& state) const noexcept {
-  float bound_mv = larger(state.u, 0.0F);
-  for (std::uint32_t c = 0; c < args_.current_count; ++c) {
-    bound_mv += larger(args_.peak[c] * state.currents[c], 0.0F);
-  }
-  return refractory_[neuron] == 0 && bound_mv < sleep_mv_[has_own_thresholds_ ? neuron : 0];
-}
-
-MembraneWord MembraneGroup::advance_lanes(MembraneTick now, std::uint32_t word, std::uint64_t lanes,
-                                          std::uint64_t asleep, std::uint32_t done) noexcept {
-  MembraneWord result{0, 0};
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-    const std::uint64_t bit = lanes & -lanes;
-    const std::uint32_t neuron = word * kWordLanes + lane;
-    State state = load(neuron);
-    if ((asleep & bit) != 0) {
-      leap(done - valid_after_[neuron], state);
-    } else {
-      if (now.removes_dust) {
-        remove_dust(state);
-      }
-      propagate(step_.data(), state);
-    }
-    result.fired |= finish_tick(neuron, now.inputs, state) ? bit : 0;
-    result.may_sleep |= may_sleep_now(neuron, state) ? bit : 0;
-    store(neuron, state);
-  }
-  return result;
-}
-
-void MembraneGroup::advance_word(MembraneTick now, std::uint32_t word, GroupTick& tick) noexcept {
-  const std::uint64_t awake = awake_[word];
-  const std::uint64_t woken = tick.touched[word] & ~awake;
-  const auto done = static_cast<std::uint32_t>(tick.tick + 1);
-  MembraneWord result = advance_lanes(now, word, woken, woken, done);
-  if (awake != 0) {
-    const bool is_dense = static_cast<std::uint32_t>(std::popcount(awake)) >= dense_lanes_;
-    const MembraneWord rest =
-        is_dense ? kernels_.sweep_word(args_, now, word, awake) : advance_lanes(now, word, awake, 0, done);
-    result.fired |= rest.fired;
-    result.may_sleep |= rest.may_sleep;
-  }
-  awake_[word] = (awake | woken) & ~result.may_sleep;
+void MembraneGroup::sweep_awake(MembraneTick now, std::uint32_t word, GroupTick& tick) noexcept {
+  const MembraneWord result = kernels_.sweep_word(args_, now, word, awake_[word]);
   for (std::uint64_t left = result.may_sleep; left != 0; left &= left - 1) {
-    valid_after_[word * kWordLanes + static_cast<std::uint32_t>(std::countr_zero(left))] = done;
+    const std::uint32_t neuron = word * kWordLanes + static_cast<std::uint32_t>(std::countr_zero(left));
+    valid_after_[neuron] = static_cast<std::uint32_t>(tick.tick + 1);
+    set_awake(neuron, false);
   }
   for (std::uint64_t left = result.fired; left != 0; left &= left - 1) {
     tick.fire(word * kWordLanes + static_cast<std::uint32_t>(std::countr_zero(left)));
   }
 }
 
+void MembraneGroup::advance_picked(MembraneTick now, MembraneKernels::Picked kernel,
+                                   std::span<const std::uint32_t> neurons, GroupTick& tick) noexcept {
+  const MembraneLeaps leaps{levels_.data(), digit_bits_, valid_after_.data()};
+  const bool was_awake = kernel == kernels_.step;
+  for (std::size_t first = 0; first < neurons.size(); first += kWordLanes) {
+    const auto batch = neurons.subspan(first, std::min<std::size_t>(kWordLanes, neurons.size() - first));
+    const auto count = static_cast<std::uint32_t>(batch.size());
+    const MembraneWord result =
+        kernel(args_, now, leaps, batch.data(), count, static_cast<std::uint32_t>(tick.tick + 1));
+    const std::uint64_t all = ~std::uint64_t{0} >> (kWordLanes - count);
+    for (std::uint64_t left = all & (was_awake ? result.may_sleep : ~result.may_sleep); left != 0; left &= left - 1) {
+      set_awake(batch[static_cast<std::size_t>(std::countr_zero(left))], !was_awake);
+    }
+    for (std::uint64_t left = result.fired; left != 0; left &= left - 1) {
+      tick.fire(batch[static_cast<std::size_t>(std::countr_zero(left))]);
+    }
+  }
+}
+
 void MembraneGroup::advance(GroupTick& tick) noexcept {
   const MembraneTick now{tick.inputs, tick.tick % kDustPeriodTicks == 0};
   if (!may_sleep_) {
-    tick.fired_count += kernels_.sweep(args_, now, tick.begin, tick.end, tick.fired + tick.fired_count);
+    tick.fired_count = kernels_.sweep(args_, now, tick.begin, tick.end, tick.fired);
     return;
   }
-  std::uint64_t left_awake = 0;
-  for (std::uint32_t word = tick.begin / kWordLanes; word * kWordLanes < tick.end; ++word) {
-    if ((awake_[word] | tick.touched[word]) != 0) {
-      advance_word(now, word, tick);
-      tick.touched[word] = 0;
-      left_awake |= awake_[word];
+  // Who sleeps is settled before anyone moves: a neuron takes one step or one leap.
+  std::uint32_t* const picked = picked_.get() + tick.begin;
+  std::uint32_t asleep_count = 0;
+  for (std::uint32_t k = 0; k < tick.touched_count; ++k) {
+    const std::uint32_t neuron = tick.touched[k];
+    picked[asleep_count] = neuron;
+    asleep_count += static_cast<std::uint32_t>(~(awake_[neuron / kWordLanes] >> (neuron % kWordLanes)) & 1U);
+  }
+  std::uint32_t picked_count = asleep_count;
+  for (std::size_t w = 0; w < awake_words_.size(); ++w) {
+    for (std::uint64_t left = awake_words_[w]; left != 0; left &= left - 1) {
+      const auto word = static_cast<std::uint32_t>(w * kWordLanes) + static_cast<std::uint32_t>(std::countr_zero(left));
+      if (count_bits(awake_[word]) >= dense_lanes_) {
+        sweep_awake(now, word, tick);
+        continue;
+      }
+      for (std::uint64_t lanes = awake_[word]; lanes != 0; lanes &= lanes - 1) {
+        picked[picked_count++] = word * kWordLanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+      }
     }
   }
-  tick.idle_until = left_awake == 0 ? kNeverTick : 0;
+  advance_picked(now, kernels_.step, {picked + asleep_count, picked_count - asleep_count}, tick);
+  advance_picked(now, kernels_.leap, {picked, asleep_count}, tick);
+  std::sort(tick.fired, tick.fired + tick.fired_count);
+  const bool all_asleep =
+      std::all_of(awake_words_.begin(), awake_words_.end(), [](std::uint64_t word) { return word == 0; });
+  tick.idle_until = all_asleep ? kNeverTick : 0;
+}
+
+std::vector<const void*> MembraneGroup::hot_arrays() const {
+  std::vector<const void*> arrays = {u_.data(), valid_after_.data()};
+  for (std::uint32_t c = 0; c < args_.current_count; ++c) {
+    arrays.push_back(currents_.data() + c * args_.stride);
+  }
+  return arrays;
 }
 
 double MembraneGroup::probe(std::uint32_t neuron, std::uint32_t column, std::uint64_t tick) const noexcept {

@@ -16,6 +16,7 @@
 // When its next input comes it leaps over the n ticks since with the propagators of n.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,7 @@ class MembraneGroup final : public UpdateGroup {
   [[nodiscard]] double probe(std::uint32_t neuron, std::uint32_t column, std::uint64_t tick) const noexcept override;
   [[nodiscard]] bool is_divisible() const noexcept override { return true; }
   [[nodiscard]] bool wants_marks() const noexcept override { return may_sleep_; }
+  [[nodiscard]] std::vector<const void*> hot_arrays() const override;
 
  private:
   struct State {
@@ -45,17 +47,15 @@ class MembraneGroup final : public UpdateGroup {
   void derive_leaps(std::span<const float> table, const PropagatorTable& layout);
 
   [[nodiscard]] State load(std::uint32_t neuron) const noexcept;
-  void store(std::uint32_t neuron, const State& state) noexcept;
   void propagate(const float* entry, State& state) const noexcept;
   void leap(std::uint32_t ticks, State& state) const noexcept;
   void remove_dust(State& state) const noexcept;
-  /// Arrivals, threshold, reset. Returns whether the neuron fires.
-  [[nodiscard]] bool finish_tick(std::uint32_t neuron, std::int32_t* inputs, State& state) noexcept;
-  [[nodiscard]] bool may_sleep_now(std::uint32_t neuron, const State& state) const noexcept;
-  /// The lanes of one word, one by one: those asleep leap to this tick, the others take a step.
-  [[nodiscard]] MembraneWord advance_lanes(MembraneTick now, std::uint32_t word, std::uint64_t lanes,
-                                           std::uint64_t asleep, std::uint32_t done) noexcept;
-  void advance_word(MembraneTick now, std::uint32_t word, GroupTick& tick) noexcept;
+  /// A word of which many neurons are awake, as vectors.
+  void sweep_awake(MembraneTick now, std::uint32_t word, GroupTick& tick) noexcept;
+  /// Neurons picked one by one: all awake, or all asleep with input.
+  void advance_picked(MembraneTick now, MembraneKernels::Picked kernel, std::span<const std::uint32_t> neurons,
+                      GroupTick& tick) noexcept;
+  void set_awake(std::uint32_t neuron, bool is_awake) noexcept;
 
   std::uint32_t size_;
   ModelKind model_;
@@ -76,6 +76,8 @@ class MembraneGroup final : public UpdateGroup {
   AlignedVector<float> currents_;            // [current][padded]
   AlignedVector<std::uint16_t> refractory_;  // ticks left
   std::vector<std::uint64_t> awake_;         // bit a neuron
+  std::vector<std::uint64_t> awake_words_;   // bit a word of awake_ that is not 0
+  std::unique_ptr<std::uint32_t[]> picked_;  // room to list every neuron; left unwritten until used
   std::vector<std::uint32_t> valid_after_;   // asleep: the state is that after so many ticks (mod 2^32)
 };
 

@@ -50,17 +50,30 @@ struct MembraneWord {
   std::uint64_t may_sleep;  // of the lanes that were advanced
 };
 
+/// The propagators of many ticks; see PropagatorTable.
+struct MembraneLeaps {
+  const float* levels;
+  std::uint32_t digit_bits;
+  std::uint32_t* valid_after;  // [neuron] asleep: its state is that after so many ticks (mod 2^32)
+};
+
 struct MembraneKernels {
   /// Advances neurons [begin, end) by one tick, appends who fired to `fired` and returns how many.
   /// Needs: begin a multiple of 64; end a multiple of 64 or the size.
   using Sweep = std::uint32_t (*)(const MembraneArgs& args, MembraneTick tick, std::uint32_t begin, std::uint32_t end,
                                   std::uint32_t* fired) noexcept;
   /// Advances the neurons of word w (64 w to 64 w + 63) whose bit is set in `lanes`; the others keep
-  /// their state and their inputs.
+  /// their state and their inputs. Needs: none of the others refractory.
   using SweepWord = MembraneWord (*)(const MembraneArgs& args, MembraneTick tick, std::uint32_t w,
                                      std::uint64_t lanes) noexcept;
+  /// Advances `count` <= 64 neurons picked by index by one tick, or brings them, asleep, from where
+  /// they fell asleep through this tick, after which `done` ticks are done. Bit k: neurons[k].
+  using Picked = MembraneWord (*)(const MembraneArgs& args, MembraneTick tick, const MembraneLeaps& leaps,
+                                  const std::uint32_t* neurons, std::uint32_t count, std::uint32_t done) noexcept;
   Sweep sweep;
   SweepWord sweep_word;
+  Picked leap;
+  Picked step;
 };
 
 /// The kernels for a model with so many currents, with thresholds that are shared or not.

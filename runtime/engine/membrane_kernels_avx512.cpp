@@ -30,15 +30,14 @@ struct Vec {
     const M is_large = _mm512_test_epi32_mask(_mm512_castps_si512(x), _mm512_set1_epi32(0x60000000));
     return _mm512_maskz_mov_ps(is_large, x);
   }
-  static F take_inputs(std::int32_t* p, std::uint32_t count) noexcept {
-    if (count == kWidth) {
-      const __m512i quanta = _mm512_loadu_si512(p);
-      _mm512_storeu_si512(p, _mm512_setzero_si512());
-      return _mm512_cvtepi32_ps(quanta);
-    }
-    const auto some = static_cast<M>((1U << count) - 1U);
-    const __m512i quanta = _mm512_maskz_loadu_epi32(some, p);
-    _mm512_mask_storeu_epi32(p, some, _mm512_setzero_si512());
+  static F take_all_inputs(std::int32_t* p) noexcept {
+    const __m512i quanta = _mm512_loadu_si512(p);
+    _mm512_storeu_si512(p, _mm512_setzero_si512());
+    return _mm512_cvtepi32_ps(quanta);
+  }
+  static F take_inputs(std::int32_t* p, std::uint64_t lanes) noexcept {
+    const __m512i quanta = _mm512_maskz_loadu_epi32(mask(lanes), p);
+    _mm512_mask_storeu_epi32(p, mask(lanes), _mm512_setzero_si512());
     return _mm512_cvtepi32_ps(quanta);
   }
   static M was_refractory(std::uint16_t* p) noexcept {
@@ -50,6 +49,39 @@ struct Vec {
   static M is_refractory(const std::uint16_t* p) noexcept {
     const __m256i ticks = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
     return _mm256_test_epi16_mask(ticks, ticks);
+  }
+
+  using I = __m512i;
+  static I indices(const std::uint32_t* p, std::uint64_t lanes) noexcept {
+    return _mm512_maskz_loadu_epi32(mask(lanes), p);
+  }
+  static I set1i(std::uint32_t x) noexcept { return _mm512_set1_epi32(static_cast<int>(x)); }
+  static I sub(I a, I b) noexcept { return _mm512_sub_epi32(a, b); }
+  static I bits_of(I a, std::uint32_t x) noexcept { return _mm512_and_si512(a, set1i(x)); }
+  static I times(I a, std::uint32_t x) noexcept { return _mm512_mullo_epi32(a, set1i(x)); }
+  static I shift_right(I a, std::uint32_t bits) noexcept {
+    return _mm512_srl_epi32(a, _mm_cvtsi32_si128(static_cast<int>(bits)));
+  }
+  static M nonzero(I a) noexcept { return _mm512_test_epi32_mask(a, a); }
+  static F gather(const float* base, I index, M on) noexcept {
+    return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), on, index, base, 4);
+  }
+  static I gather_integers(const std::uint32_t* base, I index, M on) noexcept {
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), on, index, base, 4);
+  }
+  // Reads two bytes beyond the last counter.
+  static M gather_refractory(const std::uint16_t* base, I index, M on) noexcept {
+    const __m512i pair = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), on, index, base, 2);
+    return _mm512_test_epi32_mask(pair, _mm512_set1_epi32(0xFFFF));
+  }
+  static void scatter(float* base, I index, M on, F x) noexcept { _mm512_mask_i32scatter_ps(base, on, index, x, 4); }
+  static void scatter_integers(std::uint32_t* base, I index, M on, I x) noexcept {
+    _mm512_mask_i32scatter_epi32(base, on, index, x, 4);
+  }
+  static F take_gathered_inputs(std::int32_t* base, I index, M on) noexcept {
+    const __m512i quanta = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), on, index, base, 4);
+    _mm512_mask_i32scatter_epi32(base, on, index, _mm512_setzero_si512(), 4);
+    return _mm512_cvtepi32_ps(quanta);
   }
 };
 

@@ -8,10 +8,14 @@
 //   blend(M, F, F)                the second where set, else the first
 //   mask(bits), bits(M), both(M, M), either(M, M), without(M, M)   a and not b
 //   without_dust(F)               0 where the size is below 2^-63
-//   take_inputs(int32*, count)    quanta as floats, 0 beyond `count`; zeroes what it read
+//   take_inputs(int32*, lanes)    quanta as floats, 0 in other lanes; zeroes what it read
+//   take_all_inputs(int32*)       the same, all lanes
 //   was_refractory(uint16*)       who is refractory; takes one tick off
 //   is_refractory(uint16*)        who still is
-// The semantics are those of MembraneGroup::advance_neuron, bit for bit.
+//   I                             unsigned integers, with indices(uint32*, lanes), set1i, sub, bits_of (and), times,
+//                                 shift_right, nonzero, gather, gather_integers, gather_refractory, scatter,
+//                                 scatter_integers, take_gathered_inputs: only the lanes of a mask are read or written
+// Every way to advance a neuron gives the same bits: the same operations in the same order.
 
 /// Number of currents not known when the kernel is compiled.
 constexpr std::uint32_t kAnyCount = 0xFFFFFFFFU;
@@ -21,10 +25,16 @@ struct VectorResult {
   std::uint64_t may_sleep;
 };
 
-// Advances the vector of neurons that starts at `i`, of which `count` exist and `lanes` are meant.
+constexpr std::uint64_t kAllLanes = ~std::uint64_t{0} >> (64 - Vec::kWidth);
+
+// Advances `lanes` of the vector of neurons that starts at `i`; all of them unless kMasked.
 template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bool kDust>
 [[gnu::always_inline]] inline VectorResult advance_vector(const MembraneArgs& a, std::int32_t* inputs, std::size_t i,
-                                                          std::uint32_t count, std::uint64_t lanes) noexcept {
+                                                          std::uint64_t lanes) noexcept {
+  const auto arrived = [&](std::uint32_t receptor) {
+    std::int32_t* const place = inputs + receptor * a.input_stride + i;
+    return kMasked ? Vec::take_inputs(place, lanes) : Vec::take_all_inputs(place);
+  };
   constexpr bool kIsDelta = kModel == ModelKind::LifDelta;
   constexpr bool kAdapts = kModel == ModelKind::Alif;
   const std::uint32_t currents = kIsDelta ? 0 : kCurrents == kAnyCount ? a.current_count : kCurrents;
@@ -44,12 +54,12 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bo
     u = Vec::add(u, Vec::mul(Vec::set1(a.gain[c]), current));
     now[c] = Vec::mul(Vec::set1(a.current_decay[c]), current);
     if (c < arriving) {
-      now[c] = Vec::add(now[c], Vec::take_inputs(inputs + c * a.input_stride + i, count));
+      now[c] = Vec::add(now[c], arrived(c));
     }
   }
   if constexpr (kIsDelta) {
     for (std::uint32_t r = 0; r < a.receptor_count; ++r) {
-      const typename Vec::F quanta = Vec::take_inputs(inputs + r * a.input_stride + i, count);
+      const typename Vec::F quanta = arrived(r);
       u = Vec::add(u, Vec::mul(Vec::set1(a.delta_quantum_mv[r]), quanta));
     }
   }
@@ -88,8 +98,6 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bo
   return {fired, may_sleep};
 }
 
-constexpr std::uint64_t kAllLanes = ~std::uint64_t{0} >> (64 - Vec::kWidth);
-
 template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kDust>
 std::uint32_t sweep_all(const MembraneArgs& args, std::int32_t* inputs, std::uint32_t begin, std::uint32_t end,
                         std::uint32_t* fired) noexcept {
@@ -102,11 +110,11 @@ std::uint32_t sweep_all(const MembraneArgs& args, std::int32_t* inputs, std::uin
   };
   std::uint32_t i = begin;
   for (; i + Vec::kWidth <= end; i += Vec::kWidth) {
-    emit(advance_vector<kModel, kCurrents, kOwn, false, kDust>(a, inputs, i, Vec::kWidth, kAllLanes).fired, i);
+    emit(advance_vector<kModel, kCurrents, kOwn, false, kDust>(a, inputs, i, kAllLanes).fired, i);
   }
   if (i < end) {
     const std::uint64_t lanes = kAllLanes >> (Vec::kWidth - (end - i));
-    emit(advance_vector<kModel, kCurrents, kOwn, false, kDust>(a, inputs, i, end - i, lanes).fired, i);
+    emit(advance_vector<kModel, kCurrents, kOwn, true, kDust>(a, inputs, i, lanes).fired, i);
   }
   return fired_count;
 }
@@ -127,20 +135,146 @@ MembraneWord sweep_word(const MembraneArgs& args, MembraneTick tick, std::uint32
       continue;
     }
     const std::uint32_t i = 64 * word + k;
-    const std::uint32_t count = args.size - i < Vec::kWidth ? args.size - i : Vec::kWidth;
-    const VectorResult vector =
-        tick.removes_dust ? advance_vector<kModel, kCurrents, kOwn, true, true>(args, tick.inputs, i, count, here)
-                          : advance_vector<kModel, kCurrents, kOwn, true, false>(args, tick.inputs, i, count, here);
+    const VectorResult vector = tick.removes_dust
+                                    ? advance_vector<kModel, kCurrents, kOwn, true, true>(args, tick.inputs, i, here)
+                                    : advance_vector<kModel, kCurrents, kOwn, true, false>(args, tick.inputs, i, here);
     result.fired |= vector.fired << k;
     result.may_sleep |= vector.may_sleep << k;
   }
   return result;
 }
 
+// The state of a vector of neurons picked by index.
+template <ModelKind kModel, std::uint32_t kCurrents>
+struct Picked {
+  static constexpr std::uint32_t kRoom = kModel == ModelKind::LifDelta ? 1
+                                         : kCurrents == kAnyCount      ? kMaxReceptors + 1
+                                                                       : kCurrents;
+  typename Vec::F u;
+  typename Vec::F now[kRoom];
+};
+
+// u and the currents after `ticks`, digit by digit.
+template <ModelKind kModel, std::uint32_t kCurrents>
+[[gnu::always_inline]] inline void leap_vector(const MembraneLeaps& leaps, std::uint32_t currents, typename Vec::M on,
+                                               typename Vec::I ticks, Picked<kModel, kCurrents>& state) noexcept {
+  const std::uint32_t entry_size = 1 + 2 * currents;
+  const std::uint32_t digits = 1U << leaps.digit_bits;
+  const float* level = leaps.levels;
+  while (Vec::bits(Vec::both(on, Vec::nonzero(ticks))) != 0) {
+    const typename Vec::I digit = Vec::bits_of(ticks, digits - 1);
+    const typename Vec::M leaping = Vec::both(on, Vec::nonzero(digit));
+    const typename Vec::I entry = Vec::times(digit, entry_size);
+    typename Vec::F u = Vec::mul(Vec::gather(level, entry, leaping), state.u);
+    for (std::uint32_t c = 0; c < currents; ++c) {
+      u = Vec::add(u, Vec::mul(Vec::gather(level + 1 + c, entry, leaping), state.now[c]));
+      const typename Vec::F decayed = Vec::mul(Vec::gather(level + 1 + currents + c, entry, leaping), state.now[c]);
+      state.now[c] = Vec::blend(leaping, state.now[c], decayed);
+    }
+    state.u = Vec::blend(leaping, state.u, u);
+    ticks = Vec::shift_right(ticks, leaps.digit_bits);
+    level += digits * entry_size;
+  }
+  state.u = Vec::without_dust(state.u);
+  for (std::uint32_t c = 0; c < currents; ++c) {
+    state.now[c] = Vec::without_dust(state.now[c]);
+  }
+}
+
+// u and the currents after one tick, before what arrived is added.
+template <ModelKind kModel, std::uint32_t kCurrents>
+[[gnu::always_inline]] inline void step_vector(const MembraneArgs& a, std::uint32_t currents, bool removes_dust,
+                                               Picked<kModel, kCurrents>& state) noexcept {
+  typename Vec::F u = Vec::mul(Vec::set1(a.decay), removes_dust ? Vec::without_dust(state.u) : state.u);
+  for (std::uint32_t c = 0; c < currents; ++c) {
+    const typename Vec::F current = removes_dust ? Vec::without_dust(state.now[c]) : state.now[c];
+    u = Vec::add(u, Vec::mul(Vec::set1(a.gain[c]), current));
+    state.now[c] = Vec::mul(Vec::set1(a.current_decay[c]), current);
+  }
+  state.u = u;
+}
+
+// One tick (or a leap over many, kLeaps) of up to 64 neurons picked by index.
+template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kLeaps>
+MembraneWord advance_picked(const MembraneArgs& a, MembraneTick tick, const MembraneLeaps& leaps,
+                            const std::uint32_t* neurons, std::uint32_t count, std::uint32_t done) noexcept {
+  constexpr bool kIsDelta = kModel == ModelKind::LifDelta;
+  constexpr bool kAdapts = kModel == ModelKind::Alif;
+  const std::uint32_t currents = kIsDelta ? 0 : kCurrents == kAnyCount ? a.current_count : kCurrents;
+  MembraneWord result{0, 0};
+  for (std::uint32_t k = 0; k < count; k += Vec::kWidth) {
+    const std::uint64_t lanes = count - k < Vec::kWidth ? kAllLanes >> (Vec::kWidth - (count - k)) : kAllLanes;
+    const typename Vec::M on = Vec::mask(lanes);
+    const typename Vec::I neuron = Vec::indices(neurons + k, lanes);
+    Picked<kModel, kCurrents> state;
+    state.u = Vec::gather(a.u, neuron, on);
+    for (std::uint32_t c = 0; c < currents; ++c) {
+      state.now[c] = Vec::gather(a.currents + c * a.stride, neuron, on);
+    }
+    if constexpr (kLeaps) {
+      const typename Vec::I slept = Vec::sub(Vec::set1i(done), Vec::gather_integers(leaps.valid_after, neuron, on));
+      leap_vector<kModel, kCurrents>(leaps, currents, on, slept, state);
+    } else {
+      step_vector<kModel, kCurrents>(a, currents, tick.removes_dust, state);
+    }
+    for (std::uint32_t r = 0; r < (kIsDelta ? a.receptor_count : kAdapts ? currents - 1 : currents); ++r) {
+      const typename Vec::F quanta = Vec::take_gathered_inputs(tick.inputs + r * a.input_stride, neuron, on);
+      if constexpr (kIsDelta) {
+        state.u = Vec::add(state.u, Vec::mul(Vec::set1(a.delta_quantum_mv[r]), quanta));
+      } else {
+        state.now[r] = Vec::add(state.now[r], quanta);
+      }
+    }
+
+    // Who sleeps is not refractory.
+    const std::uint64_t was_refractory =
+        kLeaps ? 0 : Vec::bits(Vec::both(on, Vec::gather_refractory(a.refractory, neuron, on)));
+    std::uint64_t still_refractory = 0;
+    for (std::uint64_t left = was_refractory; left != 0; left &= left - 1) {
+      std::uint16_t& ticks = a.refractory[neurons[k + static_cast<std::uint32_t>(__builtin_ctzll(left))]];
+      ticks = static_cast<std::uint16_t>(ticks - 1);
+      still_refractory |= ticks != 0 ? left & -left : 0;
+    }
+    const typename Vec::F threshold = kOwn ? Vec::gather(a.threshold_mv, neuron, on) : Vec::set1(a.shared_threshold_mv);
+    const typename Vec::F reset = kOwn ? Vec::gather(a.reset_mv, neuron, on) : Vec::set1(a.shared_reset_mv);
+    const std::uint64_t fired = lanes & Vec::bits(Vec::reaches(state.u, threshold)) & ~was_refractory;
+    state.u = Vec::blend(Vec::mask(was_refractory | fired), state.u, reset);
+    if constexpr (kAdapts) {
+      const std::uint32_t w = currents - 1;
+      const typename Vec::F adapted = Vec::add(state.now[w], Vec::set1(a.adaptation_step_na));
+      state.now[w] = Vec::blend(Vec::mask(fired), state.now[w], adapted);
+    }
+    for (std::uint64_t left = fired; left != 0; left &= left - 1) {
+      a.refractory[neurons[k + static_cast<std::uint32_t>(__builtin_ctzll(left))]] =
+          static_cast<std::uint16_t>(a.refractory_ticks);
+    }
+    typename Vec::F bound = Vec::max(state.u, Vec::set1(0));
+    for (std::uint32_t c = 0; c < currents; ++c) {
+      bound = Vec::add(bound, Vec::max(Vec::mul(Vec::set1(a.peak[c]), state.now[c]), Vec::set1(0)));
+    }
+    const typename Vec::F sleep = kOwn ? Vec::gather(a.sleep_mv, neuron, on) : Vec::set1(a.shared_sleep_mv);
+    const std::uint64_t refractory = still_refractory | (a.refractory_ticks == 0 ? 0 : fired);
+    const std::uint64_t calm = lanes & Vec::bits(Vec::below(bound, sleep)) & ~refractory;
+    result.fired |= fired << k;
+    result.may_sleep |= calm << k;
+
+    Vec::scatter(a.u, neuron, on, state.u);
+    for (std::uint32_t c = 0; c < currents; ++c) {
+      Vec::scatter(a.currents + c * a.stride, neuron, on, state.now[c]);
+    }
+    Vec::scatter_integers(leaps.valid_after, neuron, Vec::mask(calm), Vec::set1i(done));
+  }
+  return result;
+}
+
 template <ModelKind kModel, std::uint32_t kCurrents>
 MembraneKernels kernels_for(bool own) noexcept {
-  return own ? MembraneKernels{sweep<kModel, kCurrents, true>, sweep_word<kModel, kCurrents, true>}
-             : MembraneKernels{sweep<kModel, kCurrents, false>, sweep_word<kModel, kCurrents, false>};
+  return own ? MembraneKernels{sweep<kModel, kCurrents, true>, sweep_word<kModel, kCurrents, true>,
+                               advance_picked<kModel, kCurrents, true, true>,
+                               advance_picked<kModel, kCurrents, true, false>}
+             : MembraneKernels{sweep<kModel, kCurrents, false>, sweep_word<kModel, kCurrents, false>,
+                               advance_picked<kModel, kCurrents, false, true>,
+                               advance_picked<kModel, kCurrents, false, false>};
 }
 
 inline MembraneKernels choose_kernels(ModelKind model, std::uint32_t current_count, bool own) noexcept {

@@ -68,10 +68,16 @@ struct Vec {
     constexpr float kDust = 0x1p-63F;
     return each<F>([&](std::uint32_t k) { return x.lane[k] < kDust && x.lane[k] > -kDust ? 0.0F : x.lane[k]; });
   }
-  static F take_inputs(std::int32_t* p, std::uint32_t count) noexcept {
+  static F take_all_inputs(std::int32_t* p) noexcept {
+    const F quanta = each<F>([=](std::uint32_t k) { return static_cast<float>(p[k]); });
+    TECTUM_EACH_LANE p[k] = 0;
+    return quanta;
+  }
+  static F take_inputs(std::int32_t* p, std::uint64_t lanes) noexcept {
     return each<F>([=](std::uint32_t k) {
-      const std::int32_t quanta = k < count ? p[k] : 0;
-      if (k < count) {
+      const bool is_on = ((lanes >> k) & 1U) != 0;
+      const std::int32_t quanta = is_on ? p[k] : 0;
+      if (is_on) {
         p[k] = 0;
       }
       return static_cast<float>(quanta);
@@ -84,6 +90,55 @@ struct Vec {
   }
   static M is_refractory(const std::uint16_t* p) noexcept {
     return each<M>([=](std::uint32_t k) { return p[k] != 0; });
+  }
+
+  struct I {
+    std::uint32_t lane[kWidth];
+  };
+  static I indices(const std::uint32_t* p, std::uint64_t lanes) noexcept {
+    return each<I>([=](std::uint32_t k) { return ((lanes >> k) & 1U) != 0 ? p[k] : 0U; });
+  }
+  static I set1i(std::uint32_t x) noexcept {
+    return each<I>([=](std::uint32_t) { return x; });
+  }
+  static I sub(I a, I b) noexcept {
+    return each<I>([&](std::uint32_t k) { return a.lane[k] - b.lane[k]; });
+  }
+  static I bits_of(I a, std::uint32_t x) noexcept {
+    return each<I>([&](std::uint32_t k) { return a.lane[k] & x; });
+  }
+  static I times(I a, std::uint32_t x) noexcept {
+    return each<I>([&](std::uint32_t k) { return a.lane[k] * x; });
+  }
+  static I shift_right(I a, std::uint32_t bits) noexcept {
+    return each<I>([&](std::uint32_t k) { return a.lane[k] >> bits; });
+  }
+  static M nonzero(I a) noexcept {
+    return each<M>([&](std::uint32_t k) { return a.lane[k] != 0; });
+  }
+  static F gather(const float* base, I index, M on) noexcept {
+    return each<F>([&](std::uint32_t k) { return on.lane[k] ? base[index.lane[k]] : 0.0F; });
+  }
+  static I gather_integers(const std::uint32_t* base, I index, M on) noexcept {
+    return each<I>([&](std::uint32_t k) { return on.lane[k] ? base[index.lane[k]] : 0U; });
+  }
+  static M gather_refractory(const std::uint16_t* base, I index, M on) noexcept {
+    return each<M>([&](std::uint32_t k) { return on.lane[k] && base[index.lane[k]] != 0; });
+  }
+  static void scatter(float* base, I index, M on, F x) noexcept {
+    TECTUM_EACH_LANE if (on.lane[k]) { base[index.lane[k]] = x.lane[k]; }
+  }
+  static void scatter_integers(std::uint32_t* base, I index, M on, I x) noexcept {
+    TECTUM_EACH_LANE if (on.lane[k]) { base[index.lane[k]] = x.lane[k]; }
+  }
+  static F take_gathered_inputs(std::int32_t* base, I index, M on) noexcept {
+    return each<F>([&](std::uint32_t k) {
+      const std::int32_t quanta = on.lane[k] ? base[index.lane[k]] : 0;
+      if (on.lane[k]) {
+        base[index.lane[k]] = 0;
+      }
+      return static_cast<float>(quanta);
+    });
   }
 };
 

@@ -51,14 +51,6 @@ std::vector<std::unique_ptr<UpdateGroup>> make_groups(const SpikeImage& image, c
   return groups;
 }
 
-std::vector<bool> wants_marks(const std::vector<std::unique_ptr<UpdateGroup>>& groups) {
-  std::vector<bool> wants;
-  for (const auto& group : groups) {
-    wants.push_back(group->wants_marks());
-  }
-  return wants;
-}
-
 }  // namespace
 
 struct SpikeEngine::Impl {
@@ -67,7 +59,7 @@ struct SpikeEngine::Impl {
         groups(make_groups(image, options)),
         wheel(image.header.max_delay_ticks, rows_in_flight(image)),
         slice(slice_ticks(image)),
-        ring(image, wants_marks(groups), slice),
+        ring(image, groups, slice),
         busy((groups.size() + kWordBits - 1) / kWordBits),
         all_groups(busy.size()),
         idle_until(groups.size()),
@@ -197,9 +189,13 @@ void SpikeEngine::Impl::advance_part(std::uint32_t g, std::uint32_t begin, std::
                 .begin = begin,
                 .end = end,
                 .inputs = ring.inputs(k, g),
-                .touched = ring.touched(k, g),
+                .touched = ring.touched(k, g).data(),
+                .touched_count = static_cast<std::uint32_t>(ring.touched(k, g).size()),
                 .fired = fired.data()};
   groups[g]->advance(now);
+  if (now.touched_count > 0) {
+    ring.clear_touched(k, g);
+  }
   if (has_injected_spikes && k == 0) {
     add_injected(record, now);
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "runtime/engine/spike_engine.h"
 #include "runtime/image/load_image.h"
@@ -15,10 +16,11 @@ inline constexpr std::uint64_t kNeverTick = std::numeric_limits<std::uint64_t>::
 /// What a group needs to advance neurons [begin, end) by one tick.
 struct GroupTick {
   std::uint64_t tick;
-  std::uint32_t begin;            // a multiple of 64
-  std::uint32_t end;              // a multiple of 64 or the group's size
-  std::int32_t* inputs;           // [receptor][group size] accumulators; the group zeroes what it consumes
-  std::uint64_t* touched;         // bit a neuron: it has input; the group clears it; null unless wants_marks()
+  std::uint32_t begin;           // a multiple of 64
+  std::uint32_t end;             // a multiple of 64 or the group's size
+  std::int32_t* inputs;          // [receptor][group size] accumulators; the group zeroes what it consumes
+  const std::uint32_t* touched;  // neurons that have input, each once, in any order; only if wants_marks()
+  std::uint32_t touched_count;
   std::uint32_t* fired;           // room for every neuron of the group
   std::uint32_t fired_count = 0;  // out: neurons of the group (counted from 0), ascending
   std::uint64_t idle_until = 0;   // out: before this tick nothing happens in [begin, end) without input
@@ -42,8 +44,10 @@ class UpdateGroup {
 
   /// Parts of the group may be advanced apart, each by its own thread.
   [[nodiscard]] virtual bool is_divisible() const noexcept { return false; }
-  /// Whoever delivers input also marks the neuron in GroupTick::touched.
+  /// Who delivers input also lists the neuron in GroupTick::touched.
   [[nodiscard]] virtual bool wants_marks() const noexcept { return false; }
+  /// Arrays of 4-byte elements, one a neuron, that a touched neuron will need.
+  [[nodiscard]] virtual std::vector<const void*> hot_arrays() const { return {}; }
   /// Only a FieldSource listens. Real-time safe.
   virtual void set_active(std::uint32_t neuron, bool is_active) noexcept {
     (void)neuron;

@@ -119,7 +119,7 @@ ImageContents silent_100k() {
     append_row(row, 8, image);
   }
   for (std::uint32_t train = 0; train < kDriven; ++train) {
-    std::vector<RowSynapse> row = {{train * (kSize / kDriven), quanta(1000)}};
+    std::vector<RowSynapse> row = {{train * (kSize / kDriven), quanta(150)}};  // one spike each
     append_row(row, 8, image);
   }
   finish_rows(image);

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tools/analysis/gaze_traces.h"
+#include "tools/analysis/spike_times.h"
 
 namespace tectum {
 namespace {
@@ -54,6 +54,24 @@ TEST_CASE("spikes are timed from their frame, so uneven frame periods do not dri
   const std::vector<double> times_s = spike_times_s(recording);
   CHECK(times_s[3] == doctest::Approx(0.020));
   CHECK(times_s[4] == doctest::Approx(0.0995));
+}
+
+TEST_CASE("the spikes of a window are half-open at its ends") {
+  const Recording recording = two_populations();
+  CHECK(spikes_between(recording, 0, 0.1).size() == 5);
+  CHECK(spikes_between(recording, 0.019, 0.099).size() == 2);
+  CHECK(spikes_between(recording, 0.02, 0.0991).size() == 2);
+  CHECK(spikes_between(recording, 0.5, 0.1).empty());
+  CHECK(spikes_between(Recording{}, 0, 1).empty());
+}
+
+TEST_CASE("a clock asked for ticks in any order gives the same times") {
+  Recording recording = two_populations();
+  recording.frames[5].time_ns += 3'000'000;
+  SpikeClock clock(recording);
+  CHECK(clock.time_s(55) == doctest::Approx(0.058));
+  CHECK(clock.time_s(5) == doctest::Approx(0.005));
+  CHECK(clock.time_s(95) == doctest::Approx(0.095));
 }
 
 TEST_CASE("a spike of a neuron that no population holds is passed over") {

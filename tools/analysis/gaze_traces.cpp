@@ -132,26 +132,6 @@ std::vector<double> target_jump_times_s(const Recording& recording) {
   return times_s;
 }
 
-std::vector<double> spike_times_s(const Recording& recording) {
-  std::vector<double> times_s;
-  times_s.reserve(recording.spikes.size());
-  const double tick_s = static_cast<double>(recording.tick_ns) * 1e-9;
-  std::size_t frame = 0;
-  for (const RecordedSpike& spike : recording.spikes) {
-    while (frame + 1 < recording.frames.size() && recording.frames[frame + 1].tick <= spike.tick) {
-      ++frame;
-    }
-    double anchor_s = 0;
-    double since_ticks = static_cast<double>(spike.tick);
-    if (frame < recording.frames.size()) {
-      anchor_s = seconds(recording.frames[frame].time_ns);
-      since_ticks -= static_cast<double>(recording.frames[frame].tick);
-    }
-    times_s.push_back(anchor_s + since_ticks * tick_s);
-  }
-  return times_s;
-}
-
 TimeRange time_range(const Recording& recording) {
   if (recording.frames.empty()) {
     return {0, recording.duration_s};

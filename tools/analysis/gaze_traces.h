@@ -37,10 +37,6 @@ struct AngleTrace {
 /// the frame after, which tells a step from smooth motion.
 [[nodiscard]] std::vector<double> target_jump_times_s(const Recording&);
 
-/// The time of every spike, in recording order. Ticks are anchored at each frame's (tick, time_ns), so that
-/// a frame period that is no whole number of ticks does not drift.
-[[nodiscard]] std::vector<double> spike_times_s(const Recording&);
-
 /// Time of the first frame, and one frame period past the last one.
 struct TimeRange {
   double begin_s = 0;

@@ -4,30 +4,9 @@
 #include <cmath>
 
 #include "tools/analysis/gaze_traces.h"
+#include "tools/analysis/spike_times.h"
 
 namespace tectum {
-namespace {
-
-constexpr std::size_t kNoPopulation = static_cast<std::size_t>(-1);
-
-/// Population index of every neuron, by neuron number.
-std::vector<std::size_t> population_index(const Recording& recording) {
-  std::size_t neurons = 0;
-  for (const RecordedPopulation& population : recording.populations) {
-    neurons = std::max(neurons, std::size_t{population.first_neuron} + population.size);
-  }
-  std::vector<std::size_t> index(neurons, kNoPopulation);
-  for (std::size_t p = 0; p < recording.populations.size(); ++p) {
-    const RecordedPopulation& population = recording.populations[p];
-    for (std::uint32_t i = 0; i < population.size; ++i) {
-      index[population.first_neuron + i] = p;
-    }
-  }
-  return index;
-}
-
-}  // namespace
-
 std::vector<PopulationRate> population_rates(const Recording& recording, const RateOptions& options) {
   std::vector<PopulationRate> rates;
   const double length_s = options.end_s - options.begin_s;
@@ -35,17 +14,16 @@ std::vector<PopulationRate> population_rates(const Recording& recording, const R
   for (const RecordedPopulation& population : recording.populations) {
     rates.push_back({population.name, std::vector<double>(bins, 0.0)});
   }
-  const std::vector<std::size_t> index = population_index(recording);
-  const std::vector<double> times_s = spike_times_s(recording);
-  for (std::size_t k = 0; k < times_s.size(); ++k) {
-    const std::uint32_t neuron = recording.spikes[k].neuron;
-    // Half a nanosecond forgives the rounding of tick times at a bin's edge.
-    const double since_s = times_s[k] - options.begin_s + 0.5e-9;
-    if (neuron >= index.size() || index[neuron] == kNoPopulation || since_s < 0 || times_s[k] >= options.end_s) {
+  const std::vector<std::uint32_t> index = population_of_neurons(recording);
+  SpikeClock clock(recording);
+  for (const RecordedSpike& spike : spikes_between(recording, options.begin_s, options.end_s)) {
+    if (bins == 0 || spike.neuron >= index.size() || index[spike.neuron] == kNoPopulation) {
       continue;
     }
+    // Half a nanosecond forgives the rounding of a tick's time at a bin's edge.
+    const double since_s = std::max(0.0, clock.time_s(spike.tick) - options.begin_s + 0.5e-9);
     const std::size_t bin = std::min(static_cast<std::size_t>(since_s / options.bin_s), bins - 1);
-    rates[index[neuron]].rate_hz[bin] += 1;
+    rates[index[spike.neuron]].rate_hz[bin] += 1;
   }
   for (std::size_t p = 0; p < rates.size(); ++p) {
     for (std::size_t bin = 0; bin < bins; ++bin) {
@@ -58,7 +36,7 @@ std::vector<PopulationRate> population_rates(const Recording& recording, const R
 
 std::vector<PopulationSummary> population_summaries(const Recording& recording) {
   std::vector<PopulationSummary> summaries(recording.populations.size());
-  const std::vector<std::size_t> index = population_index(recording);
+  const std::vector<std::uint32_t> index = population_of_neurons(recording);
   std::vector<bool> has_fired(index.size(), false);
   for (const RecordedSpike& spike : recording.spikes) {
     if (spike.neuron < index.size() && index[spike.neuron] != kNoPopulation) {

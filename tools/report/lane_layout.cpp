@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/analysis/population_rates.h"
 #include "tools/report/chart.h"
 #include "tools/report/theme.h"
 
 namespace tectum {
 namespace {
 
-constexpr double kMinLanePx = 15;  // a line of type
-constexpr double kMaxLanePx = 64;
+constexpr double kMinLanePx = 14;  // a line of type
 constexpr double kNeuronPx = 2.5;
-constexpr double kEqualLanePx = 24;
 constexpr double kGroupGapPx = 5;
 
 std::string nucleus_of(const RecordedPopulation& population) {
@@ -24,12 +21,12 @@ std::string nucleus_of(const RecordedPopulation& population) {
 
 }  // namespace
 
-LaneLayout lay_out_lanes(const Recording& recording, bool omits_silent, LaneHeight height) {
+LaneLayout lay_out_lanes(const Recording& recording, const std::vector<PopulationSummary>& summaries,
+                         LaneHeights heights) {
   LaneLayout layout;
-  const std::vector<PopulationSummary> summaries = population_summaries(recording);
   std::vector<std::string> nuclei;
   for (std::size_t p = 0; p < recording.populations.size(); ++p) {
-    if (omits_silent && summaries[p].spikes == 0) {
+    if (summaries[p].spikes == 0) {
       layout.silent.push_back(p);
     } else if (const std::string nucleus = nucleus_of(recording.populations[p]);
                std::find(nuclei.begin(), nuclei.end(), nucleus) == nuclei.end()) {
@@ -42,11 +39,12 @@ LaneLayout lay_out_lanes(const Recording& recording, bool omits_silent, LaneHeig
     y_px += kLaneHeadingPx;
     for (std::size_t p = 0; p < recording.populations.size(); ++p) {
       const RecordedPopulation& population = recording.populations[p];
-      if (nucleus_of(population) != nuclei[n] || (omits_silent && summaries[p].spikes == 0)) {
+      if (nucleus_of(population) != nuclei[n] || summaries[p].spikes == 0) {
         continue;
       }
-      const double lane_px =
-          height == LaneHeight::Equal ? kEqualLanePx : std::clamp(population.size * kNeuronPx, kMinLanePx, kMaxLanePx);
+      const double lane_px = heights.equal_px > 0 ? heights.equal_px
+                                                  : std::clamp(population.size * kNeuronPx, kMinLanePx,
+                                                               std::max(kMinLanePx, heights.max_lane_px));
       layout.lanes.push_back({p, group.ink, y_px, lane_px});
       ++group.lane_count;
       y_px += lane_px + 1;

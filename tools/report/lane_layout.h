@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/record/recording.h"
+#include "tools/analysis/population_rates.h"
 #include "tools/report/svg.h"
 
 namespace tectum {
@@ -32,9 +33,14 @@ struct LaneLayout {
   double lanes_px = 0;              // height without the time axis
 };
 
-enum class LaneHeight { ByNeurons, Equal };
+/// Lanes are as high as their neurons need, up to `max_lane_px`; or all `equal_px` high if that is not 0.
+struct LaneHeights {
+  double max_lane_px = 64;
+  double equal_px = 0;
+};
 
-[[nodiscard]] LaneLayout lay_out_lanes(const Recording&, bool omits_silent, LaneHeight);
+/// `summaries` are the recording's, in its order. Populations that never fire go to `silent`.
+[[nodiscard]] LaneLayout lay_out_lanes(const Recording&, const std::vector<PopulationSummary>& summaries, LaneHeights);
 
 /// Left margin that fits the lanes' names into a third of the width.
 [[nodiscard]] double lane_label_px(const Recording&, const LaneLayout&, double width_px);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/record/recording.h"
+#include "tools/analysis/population_rates.h"
 #include "tools/report/svg.h"
 
 namespace tectum {
@@ -16,38 +17,41 @@ struct LaneWindow {
 
 struct LanePlotOptions {
   LaneWindow window;
-  /// Populations that never fire in the whole recording become one line of text instead of empty lanes.
-  bool omits_silent = true;
-  /// At most this many drawn runs of spikes; beyond it neighbouring time columns are merged, coarser and coarser.
+  double max_lane_px = 64;
+  /// About this many drawn runs of spikes at most: lanes too busy for their part of it are drawn coarser.
   std::size_t max_runs = 40'000;
   std::vector<double> marks_s;  // thin vertical lines
   std::vector<LaneWindow> shades;
 };
 
-/// Every spike as a tick mark in its neuron's row; the population's mean rate over the window at the side, as a
-/// number and a bar.
+/// Every spike as a mark in its neuron's row; where several fall on one spot, the more the darker. The population's
+/// mean rate over the window stands at the side, as a number and a bar. Populations that never fired in the whole
+/// recording are listed below.
 class RasterPlot {
  public:
-  RasterPlot(const Recording&, LanePlotOptions);
+  /// `summaries` are population_summaries(recording); both must outlive the plot.
+  RasterPlot(const Recording& recording, const std::vector<PopulationSummary>& summaries, LanePlotOptions);
   [[nodiscard]] double height_px() const;
   void draw(SvgBody&, const Box&) const;  // box.height is ignored: height_px() says
   [[nodiscard]] std::string responsive(const std::string& description) const;
 
  private:
   const Recording& recording_;
+  const std::vector<PopulationSummary>& summaries_;
   LanePlotOptions options_;
 };
 
 /// Each population's rate (bins of 20 ms) as a filled curve on a scale of its own, whose top is at the side.
 class RatePlot {
  public:
-  RatePlot(const Recording&, LanePlotOptions);
+  RatePlot(const Recording& recording, const std::vector<PopulationSummary>& summaries, LanePlotOptions);
   [[nodiscard]] double height_px() const;
   void draw(SvgBody&, const Box&) const;
   [[nodiscard]] std::string responsive(const std::string& description) const;
 
  private:
   const Recording& recording_;
+  const std::vector<PopulationSummary>& summaries_;
   LanePlotOptions options_;
 };
 

@@ -178,14 +178,19 @@ void add_spikes(ReportPage& page, const Run& run) {
     return;
   }
   page.heading("Spikes");
-  page.figure(
-      "Rates over the enlarged seconds", "Bins of 20 ms; each lane has its own scale, whose top is at the side.",
-      RatePlot(run.recording, {run.zoom, true, 40'000, run.jumps_s(), {}}).responsive("firing rates by population"));
-  page.figure("Raster over the enlarged seconds", "One row a neuron; mean rates of these seconds at the side.",
-              RasterPlot(run.recording, {run.zoom, true, 40'000, run.jumps_s(), {}})
+  const std::vector<PopulationSummary>& summaries = run.summary.populations;
+  page.figure("Rates over the enlarged seconds",
+              "Bins of 20 ms; each lane has its own scale, whose top is at the side.",
+              RatePlot(run.recording, summaries, {.window = run.zoom, .marks_s = run.jumps_s(), .shades = {}})
+                  .responsive("firing rates by population"));
+  page.figure("Raster over the enlarged seconds",
+              "One row a neuron; the more spikes on one spot, the darker. Mean rates of these seconds at the side.",
+              RasterPlot(run.recording, summaries, {.window = run.zoom, .marks_s = run.jumps_s(), .shades = {}})
                   .responsive("spike raster of the enlarged seconds"));
   page.figure("Raster, whole run", "Mean rates of the whole run at the side.",
-              RasterPlot(run.recording, {run.whole, true, 40'000, {}, {run.zoom}}).responsive("spike raster"));
+              RasterPlot(run.recording, summaries,
+                         {.window = run.whole, .max_lane_px = 40, .marks_s = {}, .shades = {run.zoom}})
+                  .responsive("spike raster"));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ std::string run_summary_json(const Recording& recording, const RunSummary& summa
   }
   json["populations"] = populations;
   // Names come from files; invalid UTF-8 is replaced rather than thrown about.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace tectum

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "tools/analysis/gaze_traces.h"
 #include "tools/analysis/run_summary.h"
@@ -14,9 +16,11 @@ namespace {
 constexpr double kWidthPx = 1200;
 constexpr double kPadPx = 24;
 constexpr double kExcerptS = 20;
-constexpr double kRasterS = 4;
+constexpr double kRasterS = 2;
 constexpr double kTracePx = 230;
-constexpr double kWallPx = 500;
+constexpr double kWallPx = 420;
+constexpr double kSmallPx = 280;
+constexpr double kColumnPx = 450;
 
 std::string headline(const Recording& recording, const RunSummary& summary) {
   std::string text = fmt::format("{}, scenario {}, seed {}, {} s", recording.circuit_name, recording.scenario,
@@ -30,7 +34,49 @@ std::string headline(const Recording& recording, const RunSummary& summary) {
   return text;
 }
 
+/// The two seconds of the excerpt in which the left eye moved most.
+LaneWindow busy_window(const RunSummary& summary, const LaneWindow& excerpt) {
+  const double length_s = std::min(kRasterS, excerpt.end_s - excerpt.begin_s);
+  const auto window = [&](double from_s) {
+    const double begin_s = std::clamp(from_s, excerpt.begin_s, std::max(excerpt.begin_s, excerpt.end_s - length_s));
+    return LaneWindow{begin_s, begin_s + length_s};
+  };
+  LaneWindow best = window(excerpt.begin_s);
+  double most_deg = 0;
+  for (const Saccade& first : summary.saccades[0].saccades) {
+    const LaneWindow candidate = window(first.onset_s - 0.3);
+    double moved_deg = 0;
+    for (const Saccade& saccade : summary.saccades[0].saccades) {
+      const bool is_inside = saccade.onset_s >= candidate.begin_s && saccade.offset_s < candidate.end_s;
+      moved_deg += is_inside ? saccade.amplitude_deg : 0;
+    }
+    if (moved_deg > most_deg) {
+      most_deg = moved_deg;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
 void panel_title(SvgBody& svg, double x, double y, const std::string& title) { svg.text(x, y, title, "b f-fg"); }
+
+/// Left of the raster: the wall, and below it as many small charts as the raster is high. Returns where it ends.
+double draw_column(SvgBody& svg, const Recording& recording, const RunSummary& summary, const LaneWindow& excerpt,
+                   double y, double limit_y) {
+  panel_title(svg, kPadPx, y, "Path on the wall");
+  draw_chart(svg, wall_chart(recording, excerpt), {kPadPx, y + 8, kColumnPx, kWallPx});
+  y += kWallPx + 34;
+  const std::array<std::pair<const char*, Chart>, 3> small = {
+      {{"Saccades", main_sequence_chart(summary)},
+       {"Horizontal error, whole run", error_histogram(recording, GazeAxis::Horizontal)},
+       {"Vertical error, whole run", error_histogram(recording, GazeAxis::Vertical)}}};
+  for (std::size_t k = 0; k < small.size() && (k == 0 || y + kSmallPx <= limit_y); ++k) {
+    panel_title(svg, kPadPx, y, small[k].first);
+    draw_chart(svg, small[k].second, {kPadPx, y + 8, kColumnPx, kSmallPx});
+    y += kSmallPx + 34;
+  }
+  return y - 26;
+}
 
 }  // namespace
 
@@ -49,14 +95,15 @@ std::string tracking_svg(const Recording& recording) {
     draw_chart(svg, gaze_chart(recording, axis, excerpt, jumps_s), {kPadPx, y + 8, full_px, kTracePx});
     y += kTracePx + 30;
   }
-  const LaneWindow burst = zoom_window(recording, jumps_s, std::min(kRasterS, excerpt.end_s - excerpt.begin_s),
-                                       jumps_s.empty() ? std::optional<double>() : jumps_s[jumps_s.size() / 3] - 0.3);
-  const RasterPlot raster(recording, {burst, true, 40'000, jumps_s, {}});
-  panel_title(svg, kPadPx, y, "Path on the wall");
-  draw_chart(svg, wall_chart(recording, excerpt), {kPadPx, y + 8, 480, kWallPx});
-  panel_title(svg, kPadPx + 520, y, fmt::format("Spikes, {} s", number_text(burst.end_s - burst.begin_s, 0)));
-  raster.draw(svg, {kPadPx + 520, y + 16, full_px - 520, 0});
-  y += std::max(kWallPx + 8, raster.height_px() + 16) + kPadPx;
+  const LaneWindow burst = busy_window(summary, excerpt);
+  const RasterPlot raster(recording, summary.populations,
+                          {.window = burst, .max_lane_px = 22, .max_runs = 30'000, .marks_s = jumps_s, .shades = {}});
+  const double raster_x = kPadPx + kColumnPx + 40;
+  panel_title(svg, raster_x, y,
+              fmt::format("Spikes, {} to {} s", number_text(burst.begin_s, 1), number_text(burst.end_s, 1)));
+  raster.draw(svg, {raster_x, y + 16, kWidthPx - kPadPx - raster_x, 0});
+  const double column_end = draw_column(svg, recording, summary, excerpt, y, y + raster.height_px() + 16);
+  y = std::max(column_end, y + raster.height_px() + 16) + kPadPx;
   return standalone_svg(svg, kWidthPx, y, "tracking: target and both eyes over time, path on the wall, spikes");
 }
 

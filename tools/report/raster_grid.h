@@ -1,0 +1,38 @@
+// Spikes counted on a grid of neuron rows by time columns, and drawn as runs of equal darkness.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime/record/recording.h"
+#include "tools/report/lane_layout.h"
+#include "tools/report/svg.h"
+
+namespace tectum {
+
+struct RasterGrid {
+  std::size_t rows = 1;
+  std::size_t columns = 1;
+  std::vector<std::uint16_t> counts;  // [row * columns + column], saturating
+  std::size_t spikes = 0;
+
+  [[nodiscard]] std::uint16_t at(std::size_t row, std::size_t column) const { return counts[row * columns + column]; }
+};
+
+/// One grid a lane. Spikes in [begin_s, end_s); a lane has no more rows than can be told apart.
+[[nodiscard]] std::vector<RasterGrid> raster_grids(const Recording&, const LaneLayout&, double begin_s, double end_s,
+                                                   std::size_t columns);
+
+/// Halves the resolution, rows or columns, whichever has more, until the grid draws in at most `max_runs` runs.
+[[nodiscard]] RasterGrid coarsen(RasterGrid grid, std::size_t max_runs);
+
+inline constexpr std::size_t kDarknessLevels = 4;
+
+/// Path commands, one path a level of darkness (the last is the darkest): horizontal strokes that fill the box.
+/// The level of a cell is its count's share of the grid's 95th percentile of touched cells.
+[[nodiscard]] std::array<std::string, kDarknessLevels> raster_paths(const RasterGrid&, const Box&);
+
+}  // namespace tectum

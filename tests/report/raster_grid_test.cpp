@@ -57,6 +57,12 @@ TEST_CASE("the more spikes on a spot, the darker") {
   CHECK(paths[3] == "M2 0.5h2");
 }
 
+TEST_CASE("what sparse lanes leave of the budget goes to busy ones") {
+  CHECK(fair_cap({10, 1000, 2000}, 1010) == 500);
+  CHECK(fair_cap({10, 20, 30}, 1000) == 30);
+  CHECK(fair_cap({}, 5) == 5);
+}
+
 TEST_CASE("a population that never fires is listed and takes no lane") {
   const Recording recording = synthetic_recording({2, 2, true});
   const LaneLayout layout = lay_out_lanes(recording, population_summaries(recording), {});

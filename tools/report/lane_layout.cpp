@@ -82,7 +82,7 @@ void draw_lane_frame(SvgBody& svg, const Recording& recording, const LaneLayout&
   }
   const double bottom = plot.y + layout.lanes_px;
   svg.line(plot.x, bottom, plot.x + plot.width, bottom, "hair s-muted");
-  const Ticks ticks = nice_ticks(begin_s, end_s, std::max(2, static_cast<int>(plot.width / 80)));
+  const Ticks ticks = nice_ticks(begin_s, end_s, std::max(2, static_cast<int>(plot.width / 65)));
   for (int k = 0; k < ticks.count; ++k) {
     const double time_s = ticks.first + k * ticks.step;
     const double x = plot.x + (time_s - begin_s) / std::max(1e-9, end_s - begin_s) * plot.width;

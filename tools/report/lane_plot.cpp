@@ -105,8 +105,11 @@ void RasterPlot::draw(SvgBody& svg, const Box& box) const {
   draw_lane_frame(svg, recording_, layout, plot, box.x, window.begin_s, window.end_s);
   const auto columns = static_cast<std::size_t>(plot.width);
   std::vector<RasterGrid> grids = raster_grids(recording_, layout, window.begin_s, window.end_s, columns);
-  const std::size_t runs_a_lane =
-      std::max<std::size_t>(400, options_.max_runs / std::max<std::size_t>(1, grids.size()));
+  std::vector<std::size_t> runs;
+  for (const RasterGrid& grid : grids) {
+    runs.push_back(count_runs(grid));
+  }
+  const std::size_t runs_a_lane = fair_cap(runs, options_.max_runs);
   std::vector<double> rates_hz;
   for (std::size_t k = 0; k < grids.size(); ++k) {
     const Lane& lane = layout.lanes[k];

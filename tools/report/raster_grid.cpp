@@ -110,13 +110,26 @@ std::vector<RasterGrid> raster_grids(const Recording& recording, const LaneLayou
   return grids;
 }
 
-RasterGrid coarsen(RasterGrid grid, std::size_t max_runs) {
-  while (grid.rows > 1 || grid.columns > 1) {
-    std::size_t runs = 0;
-    for_each_run(grid, [&](std::size_t, std::size_t, std::size_t, std::size_t) { ++runs; });
-    if (runs <= max_runs) {
-      break;
+std::size_t count_runs(const RasterGrid& grid) {
+  std::size_t runs = 0;
+  for_each_run(grid, [&](std::size_t, std::size_t, std::size_t, std::size_t) { ++runs; });
+  return runs;
+}
+
+std::size_t fair_cap(std::vector<std::size_t> runs, std::size_t budget) {
+  std::sort(runs.begin(), runs.end());
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const std::size_t share = budget / (runs.size() - k);
+    if (runs[k] > share) {
+      return share;
     }
+    budget -= runs[k];
+  }
+  return runs.empty() ? budget : runs.back();
+}
+
+RasterGrid coarsen(RasterGrid grid, std::size_t max_runs) {
+  while ((grid.rows > 1 || grid.columns > 1) && count_runs(grid) > max_runs) {
     // Time is what a raster is read for: rows go first, down to eight.
     grid = halved(grid, grid.rows > 8 || grid.columns == 1);
   }

@@ -26,6 +26,12 @@ struct RasterGrid {
 [[nodiscard]] std::vector<RasterGrid> raster_grids(const Recording&, const LaneLayout&, double begin_s, double end_s,
                                                    std::size_t columns);
 
+[[nodiscard]] std::size_t count_runs(const RasterGrid&);
+
+/// The largest cap for which sum(min(runs, cap)) stays within the budget: what sparse lanes do not need goes to busy
+/// ones.
+[[nodiscard]] std::size_t fair_cap(std::vector<std::size_t> runs, std::size_t budget);
+
 /// Halves the resolution, rows or columns, whichever has more, until the grid draws in at most `max_runs` runs.
 [[nodiscard]] RasterGrid coarsen(RasterGrid grid, std::size_t max_runs);
 

@@ -96,6 +96,14 @@ void add_metrics_table(ReportPage& page, const TrackingMetrics& tracking) {
   page.table(table);
 }
 
+std::string gaze_caption(const Run& run) {
+  std::string caption = "Directions in the head's fixed frame. ";
+  caption += run.summary.tracking.has_truth
+                 ? "The eyes sit apart, so the target lies in a different direction for each. "
+                 : "Gaze is the sum of the measured eye and neck angles. ";
+  return caption + "The shaded part is enlarged below.";
+}
+
 void add_gaze(ReportPage& page, const Run& run) {
   page.heading(run.summary.tracking.has_truth ? "Target, eyes and neck" : "Eyes and neck");
   const std::vector<double> none;
@@ -103,11 +111,7 @@ void add_gaze(ReportPage& page, const Run& run) {
     const std::string name = axis == GazeAxis::Horizontal ? "Horizontal" : "Vertical";
     Chart whole = gaze_chart(run.recording, axis, run.whole, none);
     whole.shades.push_back({run.zoom.begin_s, run.zoom.end_s});
-    page.figure(name + ", whole run",
-                axis == GazeAxis::Horizontal
-                    ? "Directions in the head's fixed frame. The eyes sit apart, so the target lies in a different "
-                      "direction for each. The shaded part is enlarged in the pictures of five seconds."
-                    : "",
+    page.figure(name + ", whole run", axis == GazeAxis::Horizontal ? gaze_caption(run) : "",
                 responsive_chart(whole, 250));
     page.figure(fmt::format("{}, {} s", name, number_text(run.zoom.end_s - run.zoom.begin_s, 0)),
                 run.jumps_s().empty() ? "" : "Thin vertical lines: the target jumps.",

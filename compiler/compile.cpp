@@ -33,7 +33,8 @@ void run_stages(FileId file, const CompileOptions& options, Diagnostics& diagnos
   if (!result.tree || is_last(Stage::ParseJson)) {
     return;
   }
-  result.decl = timed(Stage::ParseCircuit, result, [&] { return parse_circuit(*result.tree, result.sources, diagnostics); });
+  result.decl =
+      timed(Stage::ParseCircuit, result, [&] { return parse_circuit(*result.tree, result.sources, diagnostics); });
   if (!result.decl || is_last(Stage::ParseCircuit)) {
     return;
   }

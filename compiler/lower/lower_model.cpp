@@ -87,7 +87,8 @@ void append_entry(const Membrane& membrane, double ticks, std::vector<float>& ta
   }
 }
 
-void append_propagators(const Membrane& membrane, std::uint32_t group_size, bool may_sleep, std::vector<float>& tables) {
+void append_propagators(const Membrane& membrane, std::uint32_t group_size, bool may_sleep,
+                        std::vector<float>& tables) {
   append_entry(membrane, 1, tables);
   for (std::size_t c = 0; c < membrane.tau_ms.size(); ++c) {
     const double peak_mv = peak_gain_mv(membrane.tick_ms, membrane.tau_m_ms, membrane.tau_ms[c], membrane.r_m_mohm);

@@ -12,6 +12,8 @@ namespace tectum {
 namespace {
 
 constexpr std::uint64_t kMaxNeurons = std::uint64_t{1} << 28U;
+// Smaller populations stay in the first cache: to sweep them is cheaper than to keep account of who sleeps.
+constexpr std::uint32_t kSleepFromNeurons = 4096;
 
 class PopulationValidator {
  public:
@@ -53,7 +55,6 @@ class PopulationValidator {
       return;
     }
     population.model = model->kind;
-    population.may_sleep = model->may_sleep;
     if (decl.size && decl.inputs.empty()) {
       population.size = static_cast<std::uint32_t>(v_.scope.whole(*decl.size, "size", 1, kMaxNeurons).value_or(0));
     } else if (decl.size) {
@@ -61,6 +62,7 @@ class PopulationValidator {
           .add(Code::KeysExclude, decl.size->span, {"size", "input"})
           .help("a retina has one neuron a field");
     }
+    population.may_sleep = model->may_sleep && population.size >= kSleepFromNeurons;
     total_ += std::uint64_t{population.size} * population.instance_count;
     if (population.size == 0 || total_ > kMaxNeurons) {
       is_usable_ = false;

@@ -38,7 +38,7 @@ InputRing::InputRing(const SpikeImage& image, const std::vector<std::unique_ptr<
     Group group{record.first_slot, groups[g]->wants_marks(), mark_stride_, touched_stride_, {}};
     if (group.is_marked) {
       mark_stride_ += (record.size + kWordBits - 1) / kWordBits;
-      touched_stride_ += record.size;
+      touched_stride_ += record.size + 1;  // a neuron that is listed already is written behind the end
       const std::vector<const void*> hot = groups[g]->hot_arrays();
       for (std::size_t h = 0; h < kMaxHotArrays; ++h) {
         group.hot[h] = static_cast<const std::uint32_t*>(hot[std::min(h, hot.size() - 1)]);

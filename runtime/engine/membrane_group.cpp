@@ -67,7 +67,8 @@ MembraneGroup::MembraneGroup(const SpikeImage& image, const GroupRecord& group, 
       refractory_(padded(size_) + 1),  // the gather of the last counter reads one more
       awake_(may_sleep_ ? padded(size_) / kWordLanes : 0),
       awake_words_((awake_.size() + kWordLanes - 1) / kWordLanes),
-      picked_(std::make_unique_for_overwrite<std::uint32_t[]>(may_sleep_ ? size_ : 0)),
+      picked_(std::make_unique<std::uint32_t[]>(may_sleep_ ? padded(size_) + kWordLanes
+                                                           : 0)),  // read and written past the end
       valid_after_(may_sleep_ ? padded(size_) : 0) {
   derive_constants(image, group);
   derive_thresholds(image, group);

@@ -5,10 +5,10 @@
 namespace tectum {
 
 enum class CameraStatus {
-  NewFrame,   // `out` holds a frame not delivered before
-  NoNewFrame, // `out` is untouched: nothing newer than the last read
-  Ended,      // a recording is over
-  Failed,     // the device is gone; the driver keeps the reason
+  NewFrame,    // `out` holds a frame not delivered before
+  NoNewFrame,  // `out` is untouched: nothing newer than the last read
+  Ended,       // a recording is over
+  Failed,      // the device is gone; the driver keeps the reason
 };
 
 /// One eye. Real-time safe: takes the newest frame that is there and never waits.

@@ -17,8 +17,8 @@ struct Frame {
   int width_px = 0;
   int height_px = 0;
   std::size_t stride_bytes = 0;
-  TimeNs captured_ns = 0;       // when the light was integrated, not when it was delivered
-  std::uint64_t sequence = 0;   // counts frames of this camera
+  TimeNs captured_ns = 0;      // when the light was integrated, not when it was delivered
+  std::uint64_t sequence = 0;  // counts frames of this camera
 };
 
 }  // namespace tectum

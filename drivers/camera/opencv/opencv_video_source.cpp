@@ -17,7 +17,7 @@ namespace {
 constexpr double kImagesFps = 25;  // image sequences carry no rate
 // A loop whose period is rounded to a nanosecond must not fall behind the recording by a frame.
 constexpr double kDueTolerance = 1.0 / 16;  // of a frame
-constexpr int kBuffers = 3;        // one held by each view, one to decode into
+constexpr int kBuffers = 3;                 // one held by each view, one to decode into
 
 // OpenCV and FFmpeg print their own guesses about a bad file; one line of ours is enough.
 void silence_decoders() {

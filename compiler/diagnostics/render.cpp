@@ -54,10 +54,13 @@ std::string excerpt(const Span& span, const Sources& sources) {
     }
   }
   const std::size_t marked_end = std::min(to, cut_end);
-  const std::size_t indent = columns(line.substr(cut_begin, from - cut_begin));
+  const std::string_view left_mark = cut_begin > 0 ? "..." : "";
+  const std::string_view right_mark = cut_end < line.size() ? "..." : "";
+  const std::size_t indent = left_mark.size() + columns(line.substr(cut_begin, from - cut_begin));
   const std::size_t width = std::max<std::size_t>(1, columns(line.substr(from, marked_end - from)));
   const std::string number = fmt::format("{}", position_of(bytes, span.begin).line);
-  return fmt::format(" {} | {}\n {} | {}{}\n", number, printable(line.substr(cut_begin, cut_end - cut_begin)),
+  return fmt::format(" {} | {}{}{}\n {} | {}{}\n", number, left_mark,
+                     printable(line.substr(cut_begin, cut_end - cut_begin)), right_mark,
                      std::string(number.size(), ' '), std::string(indent, ' '), std::string(width, '^'));
 }
 

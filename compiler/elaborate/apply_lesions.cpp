@@ -47,7 +47,7 @@ void keep_marked(std::vector<T>& column, const std::vector<bool>& keep) {
 
 }  // namespace
 
-void apply_lesions(const Circuit& circuit, std::vector<double>& weights, Network& network) {
+void apply_lesions(const Circuit& circuit, Network& network) {
   if (circuit.lesions.empty()) {
     return;
   }
@@ -71,7 +71,7 @@ void apply_lesions(const Circuit& circuit, std::vector<double>& weights, Network
   keep_marked(synapses.post, keep);
   keep_marked(synapses.delay_ticks, keep);
   keep_marked(synapses.pathway, keep);
-  keep_marked(weights, keep);
+  keep_marked(synapses.quanta, keep);
   for (NetworkPopulation& population : network.populations) {
     for (std::uint32_t i = 0; i < population.size; ++i) {
       if (is_silent[population.first_neuron + i]) {

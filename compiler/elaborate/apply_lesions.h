@@ -6,7 +6,7 @@ namespace tectum {
 
 /// Takes lesioned synapses out and marks lesioned neurons as silent. Neurons keep their numbers, so that rasters with
 /// and without a lesion compare; random draws keep theirs, so that nothing else changes.
-/// Keeps: order of synapses. `weights` runs parallel to the synapses and is cut with them.
-void apply_lesions(const Circuit& circuit, std::vector<double>& weights, Network& network);
+/// Keeps: order of synapses.
+void apply_lesions(const Circuit& circuit, Network& network);
 
 }  // namespace tectum

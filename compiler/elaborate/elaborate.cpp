@@ -347,8 +347,9 @@ std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostic
     return std::nullopt;
   }
   analyse(circuit, network, wiring.weights, diagnostics);
-  apply_lesions(circuit, wiring.weights, network);
+  // Quanta are settled before lesions, so that a lesion changes nothing but what it cuts.
   report_rounding(circuit, quantise(circuit, wiring.weights, network), diagnostics);
+  apply_lesions(circuit, network);
   const SameTickOrder order = same_tick_order(network);
   if (!order.cycle.empty()) {
     report_cycle(network, order.cycle, diagnostics);

@@ -68,7 +68,7 @@ struct Network {
   std::vector<Output> outputs;  // a term's instance is an index into populations
   std::vector<JointSetting> joints;
 
-  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) * 1e-6; }
+  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) / 1e6; }
   [[nodiscard]] std::uint32_t neuron_count() const {
     return populations.empty() ? 0 : populations.back().first_neuron + populations.back().size;
   }

@@ -65,24 +65,23 @@ bool starts_number(char c) {
 }
 
 /// True when the token itself is malformed, whatever was expected there.
-bool explain_malformed(const JsonStop& stop, std::size_t at, Diagnostics& diagnostics) {
+bool explain_malformed(const JsonStop& stop, std::size_t at, const std::string& expected, Diagnostics& diagnostics) {
   const std::string_view text = stop.text;
   const char c = text[at];
   const std::size_t end = word_end(text, at);
   if (c == '/') {
-    diagnostics.add(Code::UnexpectedToken, span_of(stop, at, at + 1), {"a value", "`/`"})
+    diagnostics.add(Code::UnexpectedToken, span_of(stop, at, at + 1), {expected, "`/`"})
         .help("comments start with `//` or `/*`");
     return true;
   }
   if (c == '\'') {
-    diagnostics.add(Code::UnexpectedToken, span_of(stop, at, at + 1), {"a value", "`'`"})
+    diagnostics.add(Code::UnexpectedToken, span_of(stop, at, at + 1), {expected, "`'`"})
         .help("strings stand in double quotes");
     return true;
   }
   const std::string word(text.substr(at, end - at));
   if (starts_number(c) && !stop.after_value && !stop.after_key) {
-    diagnostics.add(Code::BadNumber, span_of(stop, at, end), {word})
-        .help("write numbers like `0.5`, `-2` or `1e-3`; a quantity with a unit is a string: \"5 ms\"");
+    diagnostics.add(Code::BadNumber, span_of(stop, at, end), {word}).help(std::string(kNumberHelp));
     return true;
   }
   if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_') {
@@ -105,6 +104,14 @@ std::optional<std::size_t> comma_before(const JsonStop& stop, std::size_t at) {
     return first;
   }
   return std::nullopt;
+}
+
+/// "0.1 ms" without its quotes.
+bool is_unit_after_number(const JsonStop& stop, std::size_t at) {
+  const std::string_view text = stop.text;
+  return std::isalpha(static_cast<unsigned char>(text[at])) != 0 &&
+         is_json_number(text.substr(stop.before, stop.after - stop.before)) &&
+         text.substr(stop.after, at - stop.after).find('\n') == std::string_view::npos;
 }
 
 std::string expectation(const JsonStop& stop, bool has_separator) {
@@ -167,6 +174,14 @@ void explain_syntax_error(const JsonStop& stop, Diagnostics& diagnostics) {
   }
   const bool starts_value =
       c == '"' || c == '{' || c == '[' || starts_number(c) || std::isalpha(static_cast<unsigned char>(c)) != 0;
+  if (stop.after_value && !separator && is_unit_after_number(stop, at)) {
+    const std::size_t end = word_end(text, at);
+    diagnostics
+        .add(Code::BadNumber, span_of(stop, stop.before, end),
+             {std::string(text.substr(stop.before, end - stop.before))})
+        .help(std::string(kNumberHelp));
+    return;
+  }
   if (stop.after_value && !separator && starts_value) {
     diagnostics.add(Code::MissingComma, span_of(stop, at, c == '"' ? string_end(text, at) : word_end(text, at)),
                     {token_phrase(text, at)});
@@ -180,11 +195,15 @@ void explain_syntax_error(const JsonStop& stop, Diagnostics& diagnostics) {
   JsonStop value_stop = stop;
   value_stop.after_key = stop.after_key && !separator;
   value_stop.after_value = stop.after_value && !separator;
-  if (wants_value && explain_malformed(value_stop, at, diagnostics)) {
+  if (wants_value && explain_malformed(value_stop, at, expectation(stop, separator.has_value()), diagnostics)) {
     return;
   }
-  diagnostics.add(Code::UnexpectedToken, span_of(stop, at, word_end(text, at)),
-                  {expectation(stop, separator.has_value()), token_phrase(text, at)});
+  auto builder = diagnostics.add(Code::UnexpectedToken, span_of(stop, at, word_end(text, at)),
+                                 {expectation(stop, separator.has_value()), token_phrase(text, at)});
+  const std::string_view last = text.substr(stop.before, stop.after - stop.before);
+  if (stop.after_key && !separator && last.find(':') != std::string_view::npos) {
+    builder.help(fmt::format("is a quote missing after `{}`?", last.substr(1, last.find(':') - 1)));
+  }
 }
 
 }  // namespace tectum

@@ -21,7 +21,9 @@ void check_language_version(const SectionContext& context, ObjectReader& reader)
   }
   const JsonNode& node = context.tree[id];
   if (node.kind != JsonKind::Number || node.number != kLanguageVersion) {
-    const std::string shown = node.kind == JsonKind::Number ? node.text : std::string(kind_phrase(node.kind));
+    const std::string shown = node.kind == JsonKind::Number   ? node.text
+                              : node.kind == JsonKind::String ? "\"" + node.text + "\""
+                                                              : std::string(kind_phrase(node.kind));
     context.diagnostics.add(Code::LanguageVersion, node.span, {shown})
         .help(fmt::format("write `\"tectum\": {}`", kLanguageVersion));
   }

@@ -21,7 +21,7 @@ class TreeBuilder {
   using json = nlohmann::json;
 
   TreeBuilder(FileId file, std::string_view text, Diagnostics& diagnostics)
-      : text_(text), diagnostics_(diagnostics), stop_{file, text, 0, false, false, {}} {}
+      : text_(text), diagnostics_(diagnostics), stop_{file, text, 0, 0, false, false, {}} {}
 
   bool null() { return scalar(JsonKind::Null); }
   bool boolean(bool value) {
@@ -52,7 +52,7 @@ class TreeBuilder {
     const std::size_t end = string_end(text_, begin);
     key_span_ = span(begin, end);
     key_ = std::move(name);
-    advance(end, true);
+    advance(begin, end, true);
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) {
@@ -83,7 +83,8 @@ class TreeBuilder {
     return at;
   }
 
-  void advance(std::size_t end, bool is_key) {
+  void advance(std::size_t begin, std::size_t end, bool is_key) {
+    stop_.before = begin;
     stop_.after = end;
     stop_.after_key = is_key;
     stop_.after_value = !is_key;
@@ -111,7 +112,7 @@ class TreeBuilder {
     const std::size_t begin = next_token();
     const std::size_t end = kind == JsonKind::String ? string_end(text_, begin) : word_end(text_, begin);
     add_node(kind, begin, end);
-    advance(end, false);
+    advance(begin, end, false);
     return true;
   }
 
@@ -120,6 +121,11 @@ class TreeBuilder {
     JsonNode& node = tree.nodes.back();
     node.number = value;
     node.text = text_.substr(node.span.begin, node.span.end - node.span.begin);
+    // The reader takes the 0 of "01" for a number and stumbles over the rest: the whole word is what is wrong.
+    if (!is_json_number(node.text)) {
+      diagnostics_.add(Code::BadNumber, node.span, {node.text}).help(std::string(kNumberHelp));
+      return false;
+    }
     return true;
   }
 
@@ -133,6 +139,7 @@ class TreeBuilder {
     open_nodes_.push_back(static_cast<JsonId>(tree.nodes.size() - 1));
     last_children_.push_back(JsonId::None);
     stop_.open_brackets.push_back(begin);
+    stop_.before = begin;
     stop_.after = begin + 1;
     stop_.after_key = false;
     stop_.after_value = false;
@@ -145,7 +152,7 @@ class TreeBuilder {
     open_nodes_.pop_back();
     last_children_.pop_back();
     stop_.open_brackets.pop_back();
-    advance(end, false);
+    advance(end - 1, end, false);
     return true;
   }
 

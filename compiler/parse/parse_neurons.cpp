@@ -148,12 +148,19 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
   decl.nucleus = reader.name("nucleus");
   if (const JsonId id = reader.child("position"); id != JsonId::None) {
     ObjectReader position(context.tree, id, "`position`", context.diagnostics);
-    static_cast<void>(position.required_value("x"));
-    static_cast<void>(position.required_value("y"));
-    position.finish();
-    if (position.is_object()) {
-      decl.position = ObjectReader(context.tree, id, "`position`", context.diagnostics).rest();
+    for (KeyedValue& keyed : position.rest()) {
+      if (keyed.key.text == "x" || keyed.key.text == "y") {
+        decl.position.push_back(std::move(keyed));
+      } else {
+        context.diagnostics.add(Code::UnknownKey, keyed.key.span, {keyed.key.text, "`position`"});
+      }
     }
+    for (const char* key : {"x", "y"}) {
+      if (!position.has(key)) {
+        position.report_missing(key);
+      }
+    }
+    position.finish();
   }
   decl.exceptions = parse_exceptions(context, reader);
   decl.provenance = reader.provenance();

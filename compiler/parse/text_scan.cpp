@@ -86,6 +86,41 @@ std::size_t word_end(std::string_view text, std::size_t at) {
   return std::max(end, std::min(at + 1, text.size()));
 }
 
+bool is_json_number(std::string_view word) {
+  std::size_t at = 0;
+  const auto digits = [&] {
+    const std::size_t begin = at;
+    while (at < word.size() && std::isdigit(static_cast<unsigned char>(word[at])) != 0) {
+      ++at;
+    }
+    return at - begin;
+  };
+  if (at < word.size() && word[at] == '-') {
+    ++at;
+  }
+  const bool starts_with_zero = at < word.size() && word[at] == '0';
+  const std::size_t whole = digits();
+  if (whole == 0 || (starts_with_zero && whole > 1)) {
+    return false;
+  }
+  if (at < word.size() && word[at] == '.') {
+    ++at;
+    if (digits() == 0) {
+      return false;
+    }
+  }
+  if (at < word.size() && (word[at] == 'e' || word[at] == 'E')) {
+    ++at;
+    if (at < word.size() && (word[at] == '+' || word[at] == '-')) {
+      ++at;
+    }
+    if (digits() == 0) {
+      return false;
+    }
+  }
+  return at == word.size();
+}
+
 std::size_t find_invalid_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text, at);

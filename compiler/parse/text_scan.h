@@ -14,6 +14,8 @@ namespace tectum {
 [[nodiscard]] std::size_t string_end(std::string_view text, std::size_t at);
 /// Offset just after the run of letters, digits, signs and points at `at`; at least at + 1.
 [[nodiscard]] std::size_t word_end(std::string_view text, std::size_t at);
+/// True for a number as JSON writes it: no leading zero or plus, digits on both sides of the point.
+[[nodiscard]] bool is_json_number(std::string_view word);
 /// Offset of the first byte that starts no UTF-8 sequence, or npos.
 [[nodiscard]] std::size_t find_invalid_utf8(std::string_view text);
 

@@ -199,7 +199,7 @@ struct Circuit {
   /// Number of each side's word in expressions; 0 is the hemifield of a cell on the midline.
   std::map<std::string, int> words;
 
-  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) * 1e-6; }
+  [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) / 1e6; }
   [[nodiscard]] const Population& population_of(InstanceId id) const {
     return populations[index_of(instances[index_of(id)].population)];
   }

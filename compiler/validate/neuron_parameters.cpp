@@ -231,7 +231,7 @@ class ParameterEvaluator {
       if (info.name == "rate" && value * v_.circuit.tick_ms() > 1000 * (1 + 1e-9)) {
         v_.diagnostics().add(Code::OutOfRange, keyed.span,
                              {"rate", fmt::format("{:g} Hz", value),
-                              fmt::format("one spike a tick, {:g} Hz", 1000 / v_.circuit.tick_ms())});
+                              fmt::format("at most one spike a tick, {:g} Hz", 1000 / v_.circuit.tick_ms())});
         return false;
       }
     }
@@ -264,9 +264,13 @@ double effective(const Instance& instance, const ModelInfo& model, const char* n
   return model.parameters[*find_parameter(model, name)].default_value;
 }
 
-void check_reset(Validation& v, const Population& population, const ModelInfo& model, Span span) {
+void check_reset(Validation& v, const Population& population, const ModelInfo& model,
+                 const std::vector<KeyedValue>& parameters, Span span) {
   if (!find_parameter(model, "V_reset")) {
     return;
+  }
+  for (const KeyedValue& keyed : parameters) {
+    span = keyed.key.text == "V_th" || keyed.key.text == "V_reset" ? keyed.span : span;
   }
   for (std::uint32_t k = 0; k < population.instance_count; ++k) {
     const Instance& instance = v.circuit.instances[index_of(population.first_instance) + k];
@@ -319,26 +323,34 @@ bool has_side(const Validation& v, const Population& population, const std::stri
   });
 }
 
+void apply_one(Validation& v, const Population& population, const ModelInfo& model, const KeyedValue& keyed,
+               const std::string& side, ParameterEvaluator& evaluator) {
+  if (model.kind == ModelKind::SpikeList && keyed.key.text == "times") {
+    apply_times(v, population, keyed);
+  } else if (const auto p = find_parameter(model, keyed.key.text)) {
+    evaluator.apply(keyed, model.parameters[*p], side);
+  } else {
+    report_unknown_parameter(v, keyed, model);
+  }
+}
+
 }  // namespace
+
+void check_parameters(Validation& v, Population& population, const ModelInfo& model,
+                      const std::vector<KeyedValue>& parameters) {
+  ParameterEvaluator evaluator(v, population, model);
+  for (const KeyedValue& keyed : parameters) {
+    apply_one(v, population, model, keyed, "", evaluator);
+  }
+}
 
 void apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
                       const NameDecl& owner) {
   const std::size_t errors_before = v.diagnostics().error_count();
   ParameterEvaluator evaluator(v, population, model);
   evaluator.position(sources.position);
-  const auto apply = [&](const KeyedValue& keyed, const std::string& side) {
-    if (const auto p = find_parameter(model, keyed.key.text)) {
-      evaluator.apply(keyed, model.parameters[*p], side);
-    } else {
-      report_unknown_parameter(v, keyed, model);
-    }
-  };
   for (const KeyedValue& keyed : sources.parameters) {
-    if (model.kind == ModelKind::SpikeList && keyed.key.text == "times") {
-      apply_times(v, population, keyed);
-    } else {
-      apply(keyed, "");
-    }
+    apply_one(v, population, model, keyed, "", evaluator);
   }
   for (const ExceptionDecl& exception : sources.exceptions) {
     if (!has_side(v, population, exception.side.text)) {
@@ -346,7 +358,7 @@ void apply_parameters(Validation& v, Population& population, const ModelInfo& mo
       continue;
     }
     for (const KeyedValue& keyed : exception.values) {
-      apply(keyed, exception.side.text);
+      apply_one(v, population, model, keyed, exception.side.text, evaluator);
     }
   }
   for (const ParameterInfo& info : model.parameters) {
@@ -358,7 +370,7 @@ void apply_parameters(Validation& v, Population& population, const ModelInfo& mo
     }
   }
   if (v.diagnostics().error_count() == errors_before) {
-    check_reset(v, population, model, owner.span);
+    check_reset(v, population, model, sources.parameters, owner.span);
   }
 }
 

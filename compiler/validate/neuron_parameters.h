@@ -18,4 +18,8 @@ struct ParameterSources {
 void apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
                       const NameDecl& owner);
 
+/// Checks names, dimensions and ranges of the values alone: a type may leave open what a population gives.
+void check_parameters(Validation& v, Population& population, const ModelInfo& model,
+                      const std::vector<KeyedValue>& parameters);
+
 }  // namespace tectum

@@ -36,6 +36,25 @@ Code code_of(ExprErrorCode code) {
   return Code::BadExpression;
 }
 
+/// Names that differ from neuron to neuron, so that their use in a constant can be called what it is.
+const Environment& varying_names() {
+  static const Environment kNames = [] {
+    Environment names;
+    std::uint32_t slot = 0;
+    for (const char* name :
+         {"index", "pos", "size", "pre.index", "post.index", "pre.size", "post.size", "pre.pos", "post.pos"}) {
+      names.add_variable(name, kNumber, slot++);
+    }
+    for (const char* name : {"x", "y", "ecc", "pre.x", "pre.y", "pre.ecc", "post.x", "post.y", "distance"}) {
+      names.add_variable(name, kAngle, slot++);
+    }
+    names.add_variable("side", kWord, slot++);
+    names.add_variable("hemifield", kWord, slot++);
+    return names;
+  }();
+  return kNames;
+}
+
 Span file_span(const ValueDecl& value, ExprSpan span) {
   if (!value.has_exact_offsets || value.is_number) {
     return value.span;
@@ -61,6 +80,10 @@ void Scope::report(const ValueDecl& value, const std::vector<ExprError>& errors)
     if (error.code == ExprErrorCode::UnknownName) {
       const std::string name = value.text.substr(error.span.begin, error.span.end - error.span.begin);
       if (broken.count(name) != 0) {
+        continue;
+      }
+      if (const auto why = absent.find(name); why != absent.end()) {
+        diagnostics_.add(Code::NoGeometry, file_span(value, error.span), {why->second});
         continue;
       }
     }
@@ -113,7 +136,8 @@ std::optional<TypedExpression> Scope::expression(const ValueDecl& value, const E
 
 std::optional<Quantity> Scope::quantity(const ValueDecl& value) {
   std::vector<ExprError> errors;
-  const Environment& names = value.scope == 0 ? environment : instances[value.scope];
+  Environment names = varying_names();
+  names.outer = value.scope == 0 ? &environment : &instances[value.scope];
   const auto result = evaluate_constant(value.text, names, errors);
   report(value, errors);
   return result;
@@ -155,13 +179,13 @@ std::optional<std::uint64_t> Scope::ticks(const ValueDecl& value, std::string_vi
     return std::nullopt;
   }
   if (*time_ms < 0) {
-    diagnostics_.add(Code::OutOfRange, value.span, {std::string(key), shown(*time_ms, kTime), "0 ms and more"});
+    diagnostics_.add(Code::OutOfRange, value.span, {std::string(key), shown(*time_ms, kTime), "0 ms or more"});
     return std::nullopt;
   }
   const auto ticks = whole_ticks(*time_ms, tick_ns);
   if (!ticks) {
     diagnostics_.add(Code::TimeNotTicks, value.span,
-                     {std::string(key), shown(*time_ms, kTime), shown(static_cast<double>(tick_ns) * 1e-6, kTime)});
+                     {std::string(key), shown(*time_ms, kTime), shown(static_cast<double>(tick_ns) / 1e6, kTime)});
   }
   return ticks;
 }

@@ -1,6 +1,8 @@
 // Values in a circuit file: from text to numbers of the right dimension, or a diagnostic.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +22,8 @@ class Scope {
   Environment environment;             // the circuit's parameters, and words
   std::vector<Environment> instances;  // by ValueDecl::scope; each has the circuit's behind it
   std::set<std::string> broken;        // declared but wrong: uses of them are not reported again
+  /// Names that have a meaning elsewhere, and why not here.
+  std::map<std::string, std::string, std::less<>> absent;
 
   /// Parses and types in `names`; reports and returns nothing when that fails.
   std::optional<TypedExpression> expression(const ValueDecl& value, const Environment& names);

@@ -164,7 +164,7 @@ class JointTable {
       max_speed_deg_s = v_.scope.constant(*decl.max_speed, "max_speed", kAngularVelocity).value_or(0) * kMsPerSecond;
       if (max_speed_deg_s < 0) {
         v_.diagnostics().add(Code::OutOfRange, decl.max_speed->span,
-                             {"max_speed", decl.max_speed->text, "0 deg/s and more"});
+                             {"max_speed", decl.max_speed->text, "0 deg/s or more"});
       }
     }
     if (id) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "compiler/validate/neuron_parameters.h"
 #include "compiler/validate/resolve_neurons.h"
@@ -17,16 +18,18 @@ constexpr std::uint32_t kSleepFromNeurons = 4096;
 
 class PopulationValidator {
  public:
-  explicit PopulationValidator(Validation& v) : v_(v), neurons_(resolve_neurons(v)) {}
+  explicit PopulationValidator(Validation& v) : v_(v), neurons_(resolve_neurons(v)), is_used_(neurons_.size(), false) {}
 
   void run() {
     for (const PopulationDecl& decl : v_.decl.populations) {
       v_.population_of.emplace(decl.name.text, static_cast<std::uint32_t>(v_.circuit.populations.size()));
       const std::size_t errors_before = v_.diagnostics().error_count();
       is_usable_ = true;
+      neuron_number_.reset();
       one(decl, v_.circuit.populations.emplace_back());
       v_.is_sound.push_back(is_usable_ && v_.diagnostics().error_count() == errors_before);
     }
+    unused_neurons();
     if (total_ > kMaxNeurons) {
       v_.diagnostics().add(Code::TooManyNeurons, v_.decl.populations.back().name.span,
                            {fmt::format("{}", total_), fmt::format("{}", kMaxNeurons)});
@@ -68,7 +71,37 @@ class PopulationValidator {
       is_usable_ = false;
       return;
     }
+    if (neuron_number_) {
+      is_used_[*neuron_number_] = true;
+    }
     apply_parameters(v_, population, *model, {parameters, decl.exceptions, decl.position}, decl.name);
+  }
+
+  /// A neuron type that no population brought this far is checked on a population of one.
+  void unused_neurons() {
+    // Names that only a real population gives a meaning to.
+    const std::set<std::string> broken = v_.scope.broken;
+    v_.scope.broken.insert({"side", "x", "y", "ecc"});
+    for (const Axis& axis : v_.circuit.axes) {
+      v_.scope.broken.insert("side." + axis.name);
+    }
+    for (std::size_t i = 0; i < neurons_.size(); ++i) {
+      if (is_used_[i] || !neurons_[i]) {
+        continue;
+      }
+      std::vector<KeyedValue> parameters = neurons_[i]->parameters;
+      std::erase_if(parameters, [](const KeyedValue& keyed) { return keyed.is_list; });
+      static_cast<void>(resolve_receptors(v_, *neurons_[i], parameters));
+      Population trial;
+      trial.name = neurons_[i]->name.text;
+      trial.model = neurons_[i]->model->kind;
+      trial.size = 1;
+      trial.first_instance = static_cast<InstanceId>(v_.circuit.instances.size());
+      v_.circuit.instances.emplace_back();
+      check_parameters(v_, trial, *neurons_[i]->model, parameters);
+      v_.circuit.instances.pop_back();
+    }
+    v_.scope.broken = broken;
   }
 
   void axes(const PopulationDecl& decl, Population& population) {
@@ -119,6 +152,7 @@ class PopulationValidator {
       if (!neurons_[i]) {
         return nullptr;
       }
+      neuron_number_ = i;
       parameters = neurons_[i]->parameters;
       for (const KeyedValue& over : decl.overrides) {
         const auto same = std::find_if(parameters.begin(), parameters.end(),
@@ -202,8 +236,10 @@ class PopulationValidator {
 
   Validation& v_;
   std::vector<std::optional<ResolvedNeuron>> neurons_;
+  std::vector<bool> is_used_;
   std::uint64_t total_ = 0;
-  bool is_usable_ = true;
+  bool is_usable_ = true;                     // the population in hand
+  std::optional<std::size_t> neuron_number_;  // of the population in hand
 };
 
 }  // namespace

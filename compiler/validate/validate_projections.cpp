@@ -51,8 +51,12 @@ class ProjectionValidator {
     weight();
     delay();
     where();
+    v_.scope.absent.clear();
     if (made_.rule == RuleKind::OneToOne) {
       check_sizes();
+    }
+    if (degree_span_) {
+      check_degree();
     }
   }
 
@@ -255,6 +259,7 @@ class ProjectionValidator {
       }
     } else if (argument.key.text == "n") {
       made_.degree = static_cast<std::uint32_t>(v_.scope.whole(value, "n", 1, 0xFFFFFFFFU).value_or(1));
+      degree_span_ = value.span;
     } else if (is_sound_) {
       made_.probability = v_.scope.expression(value, names_, "p", kNumber);
       if (made_.probability && made_.probability->constant) {
@@ -320,6 +325,29 @@ class ProjectionValidator {
       names_.add_variable("ecc", kAngle, kPreEccentricity);
     }
     side_names(pre == kAngle);
+    explain_absent_names();
+  }
+
+  /// What the names of geometry would need, for those that mean nothing here.
+  void explain_absent_names() {
+    const std::string& from = population(made_.from.front()).name;
+    const std::string& to = population(made_.to.front()).name;
+    v_.scope.absent = {
+        {"ecc", fmt::format("`ecc` needs a retina population as the source, `{}` is none", from)},
+        {"pre.ecc", fmt::format("`pre.ecc` needs a retina population as the source, `{}` is none", from)},
+        {"x", fmt::format("`x` needs a source with positions, `{}` has none", from)},
+        {"y", fmt::format("`y` needs a source with positions, `{}` has none", from)},
+        {"pre.x", fmt::format("`pre.x` needs a source with positions, `{}` has none", from)},
+        {"pre.y", fmt::format("`pre.y` needs a source with positions, `{}` has none", from)},
+        {"post.x", fmt::format("`post.x` needs a target with positions, `{}` has none", to)},
+        {"post.y", fmt::format("`post.y` needs a target with positions, `{}` has none", to)},
+        {"distance", fmt::format("`distance` needs positions of one dimension at both ends, `{}` and `{}`", from, to)},
+        {"hemifield",
+         fmt::format("`hemifield` needs a source in the visual field and one axis of left/right or up/down "
+                     "on the target, `{}` and `{}`",
+                     from, to)},
+        {"side", fmt::format("`side` needs one axis on the target or the source, `{}` and `{}`", to, from)},
+    };
   }
 
   void side_names(bool pre_has_angles) {
@@ -480,7 +508,7 @@ class ProjectionValidator {
     const double delay_ms = *typed->constant;
     const auto ticks = whole_ticks(delay_ms, v_.circuit.tick_ns);
     if (delay_ms < 0) {
-      v_.diagnostics().add(Code::OutOfRange, value.span, {"delay", shown(delay_ms, kTime), "0 ms and more"});
+      v_.diagnostics().add(Code::OutOfRange, value.span, {"delay", shown(delay_ms, kTime), "0 ms or more"});
     } else if (!ticks) {
       const double tick_ms = v_.circuit.tick_ms();
       const double below = std::floor(delay_ms / tick_ms) * tick_ms;
@@ -507,6 +535,22 @@ class ProjectionValidator {
     }
   }
 
+  void check_degree() {
+    const bool is_in_degree = made_.rule == RuleKind::FixedInDegree;
+    for (const Endpoint& from : made_.from) {
+      for (const Endpoint& to : made_.to) {
+        const Population& partner = population(is_in_degree ? from : to);
+        const bool is_recurrent = from.population == to.population && !made_.allows_autapses;
+        const std::uint32_t offered = partner.size - (is_recurrent ? 1 : 0);
+        if (made_.degree > offered) {
+          v_.diagnostics().add(Code::DegreeTooLarge, *degree_span_,
+                               {fmt::format("{}", made_.degree), fmt::format("{}", offered), partner.name});
+          return;
+        }
+      }
+    }
+  }
+
   void check_sizes() {
     for (const Endpoint& from : made_.from) {
       for (std::size_t i = 0; i < made_.to.size(); ++i) {
@@ -527,6 +571,7 @@ class ProjectionValidator {
   const ProjectionDecl& decl_;
   Projection& made_;
   Environment names_;
+  std::optional<Span> degree_span_;
   bool is_sound_ = true;
 };
 

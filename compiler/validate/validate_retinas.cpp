@@ -149,10 +149,14 @@ struct Tiler {
       if (!outer[i] || !inner) {
         continue;
       }
+      const bool is_out_of_order = i > 0 && outer[i - 1] && *outer[i] >= *outer[i - 1];
+      if (is_out_of_order) {
+        continue;  // reported with the ring before
+      }
       if (*outer[i] > half_frame) {
         v.diagnostics().add(
             Code::OutOfRange, decls[i].outer.span,
-            {"outer", fmt::format("{:g} px", *outer[i]), fmt::format("the frame's {:g} px", half_frame)});
+            {"outer", fmt::format("{:g} px", *outer[i]), fmt::format("at most the frame's {:g} px", half_frame)});
       } else if (*inner >= *outer[i]) {
         v.diagnostics()
             .add(Code::RangeReversed, decls[i + 1].outer.span,
@@ -174,8 +178,9 @@ struct Tiler {
     }
     const double half_frame = std::min(retina.frame_width, retina.frame_height) / 2.0;
     if (*outer > half_frame) {
-      v.diagnostics().add(Code::OutOfRange, decl.outer.span,
-                          {"outer", fmt::format("{:g} px", *outer), fmt::format("the frame's {:g} px", half_frame)});
+      v.diagnostics().add(
+          Code::OutOfRange, decl.outer.span,
+          {"outer", fmt::format("{:g} px", *outer), fmt::format("at most the frame's {:g} px", half_frame)});
       return;
     }
     if (*inner >= *outer) {

@@ -13,6 +13,11 @@ constexpr TimeNs kThinkingNs = 500'000;
 constexpr TimeNs kEepromByteNs = 6'000'000;  // Xevel: writing one byte blocks for about this long
 // The ArbotiX asks the servo itself before it answers: a second packet each way at 1 Mbps, and its own time-out.
 constexpr TimeNs kArbotixNs = 10'000'000;
+// A damaged length makes a servo swallow up to 255 bytes more. FE ends that and starts nothing: only FF FF is a header,
+// which one damaged byte among FFs would make. And hardly a register takes FE, should a packet happen to end in them
+// unharmed.
+constexpr std::uint8_t kPaddingByte = 0xFE;
+constexpr std::size_t kPadding = 255;
 constexpr std::size_t kArbotixMaxRead = 26;  // its buffer of 32 bytes, without the frame
 
 }  // namespace
@@ -105,8 +110,14 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
   ++statistics_.requests;
   let_late_answers_pass(question);
   BusAnswer result;
+  bool was_silent = false;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     statistics_.retries += attempt > 0 ? 1 : 0;
+    // On a slow line that takes longer than a time-out, and is kept for the last attempt.
+    const bool is_worth_it = attempt == attempts - 1 || wire_ns(kPadding) <= options_.answer_margin_ns;
+    if (was_silent && is_worth_it && has_answered_[question.id]) {
+      wake_servos(question.id);
+    }
     link_.discard_input();
     parser_.clear();
     parser_.expect(question.id, question.answer_count);
@@ -115,6 +126,7 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
     }
     Packet answer;
     const Outcome outcome = listen(question, answer);
+    was_silent = outcome == Outcome::Silence;
     collect_parser_counts();
     if (outcome == Outcome::LinkGone) {
       return {BusStatus::LinkGone, 0};
@@ -125,6 +137,7 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
       }
       continue;
     }
+    has_answered_[question.id] = true;
     result.error_bits = answer.code;
     if ((answer.code & (kChecksumError | kInstructionError)) != 0) {
       ++statistics_.reported_checksums;  // only a damaged packet makes either of them
@@ -145,7 +158,18 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
     return result;
   }
   ++statistics_.failures;
+  has_answered_[question.id] = has_answered_[question.id] && result.status != BusStatus::NoAnswer;
   return result;
+}
+
+void Ax12Bus::wake_servos(std::uint8_t id) noexcept {
+  std::array<std::uint8_t, kPadding> padding;
+  padding.fill(kPaddingByte);
+  sent_ns_ = std::max(sent_ns_, link_.now_ns()) + wire_ns(padding.size());
+  if (link_.write(padding)) {
+    // It may now answer that what it collected was damaged.
+    link_.sleep_until(sent_ns_ + return_delay_ns_[id] + kThinkingNs + wire_ns(kPacketOverhead));
+  }
 }
 
 bool Ax12Bus::write_to_link(const PacketBytes& frame) noexcept {

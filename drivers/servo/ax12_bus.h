@@ -113,6 +113,7 @@ class Ax12Bus {
 
   [[nodiscard]] BusAnswer ask(const Question& question, int attempts, std::span<std::uint8_t> out) noexcept;
   [[nodiscard]] Outcome listen(const Question& question, dynamixel::Packet& answer) noexcept;
+  void wake_servos(std::uint8_t id) noexcept;
   [[nodiscard]] bool write_to_link(const dynamixel::PacketBytes& frame) noexcept;
   [[nodiscard]] BusAnswer send_only(const dynamixel::PacketBytes& frame) noexcept;
   [[nodiscard]] BusAnswer write_frame(const dynamixel::PacketBytes& frame, std::uint8_t id, std::uint8_t address,
@@ -129,6 +130,7 @@ class Ax12Bus {
   dynamixel::ParserCounters counted_;
   std::array<std::uint8_t, 256> return_level_;
   std::array<TimeNs, 256> return_delay_ns_;
+  std::array<bool, 256> has_answered_{};
   BusStatistics statistics_;
   TimeNs sent_ns_ = 0;  // when the last byte will have left
   bool may_answer_late_ = false;

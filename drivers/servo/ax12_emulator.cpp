@@ -12,8 +12,8 @@ constexpr double kBitsAByte = 10;        // start, 8, stop
 constexpr double kBaudTolerance = 0.03;  // e-manual, "Baud Rate"
 constexpr TimeNs kInterruptPeriodNs = 1'000'000;
 constexpr TimeNs kInterruptNs = 130'000;
-// A frame that stops for longer is given up. Not documented; far above the gaps that a PC makes.
-constexpr TimeNs kFrameTimeoutNs = 50'000'000;
+// e-manual, Protocol 1.0, "Byte to Byte Time": after this a servo waits for a new header.
+constexpr TimeNs kByteToByteNs = 100'000'000;
 // Bits that change when two talk at once. Any; the checksum sees it or the header is gone.
 constexpr std::uint8_t kCollision = 0x55;
 
@@ -57,7 +57,7 @@ bool Ax12Emulator::hears(const BusServo& servo, TimeNs now_ns) const noexcept {
 }
 
 void Ax12Emulator::receive(TimeNs now_ns, std::span<const std::uint8_t> bytes) {
-  if (now_ns - host_end_ns_ > kFrameTimeoutNs) {
+  if (now_ns - host_end_ns_ > kByteToByteNs) {
     parser_.clear();
   }
   host_end_ns_ = std::max(host_end_ns_, now_ns);

@@ -40,6 +40,9 @@ void EmulatedArbotix::receive(TimeNs now_ns, std::span<const std::uint8_t> bytes
 }
 
 void EmulatedArbotix::act(const Packet& packet) {
+  if (!has_fitting_length(packet)) {
+    return;
+  }
   const auto instruction = static_cast<Instruction>(packet.code);
   if (packet.id == kBoardId) {
     answer_for_board(packet);

@@ -266,6 +266,9 @@ EmulatedServo::Reaction EmulatedServo::report_bad_checksum(TimeNs now_ns) noexce
 
 std::uint8_t EmulatedServo::execute(const Packet& instruction, TimeNs now_ns) noexcept {
   const Bytes parameters = instruction.payload();
+  if (!has_fitting_length(instruction)) {
+    return kInstructionError;
+  }
   switch (static_cast<Instruction>(instruction.code)) {
     case Instruction::Ping:
       return 0;
@@ -299,7 +302,7 @@ EmulatedServo::Reaction EmulatedServo::obey(const Packet& instruction, TimeNs no
   std::uint8_t errors = 0;
   TimeNs thinking_ns = kPingNs;
   std::uint16_t answered_from_level = 2;
-  if (instruction.code == static_cast<std::uint8_t>(Instruction::Read)) {
+  if (instruction.code == static_cast<std::uint8_t>(Instruction::Read) && has_fitting_length(instruction)) {
     errors = read(instruction.payload(), data, count);
     thinking_ns = kReadNs;
     answered_from_level = 1;

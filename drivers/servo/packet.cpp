@@ -47,6 +47,27 @@ std::uint8_t checksum(std::span<const std::uint8_t> id_to_last_parameter) noexce
   return static_cast<std::uint8_t>(~sum & 0xFFU);
 }
 
+bool has_fitting_length(const Packet& instruction) noexcept {
+  const std::size_t count = instruction.parameter_count;
+  switch (static_cast<Instruction>(instruction.code)) {
+    case Instruction::Ping:
+    case Instruction::Action:
+    case Instruction::FactoryReset:
+      return count == 0;
+    case Instruction::Read:
+      return count == 2;
+    case Instruction::Write:
+    case Instruction::RegWrite:
+      return count >= 2;
+    case Instruction::SyncWrite:
+    case Instruction::SyncRead:
+      return count >= 3;
+    case Instruction::BulkRead:
+      return count >= 4 && count % 3 == 1;
+  }
+  return true;
+}
+
 PacketBytes encode(std::uint8_t id, std::uint8_t code, std::span<const std::uint8_t> parameters) noexcept {
   const std::size_t count = std::min(parameters.size(), kMaxParameters);
   PacketBytes frame;

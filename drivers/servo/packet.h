@@ -61,7 +61,10 @@ struct Packet {
   }
 };
 
-/// A frame's bytes, ready for the wire.
+/// Whether the instruction can have as many parameters as the packet has; true for an unknown one.
+[[nodiscard]] bool has_fitting_length(const Packet& instruction) noexcept;
+
+/// A packet's bytes, ready for the wire.
 struct PacketBytes {
   std::array<std::uint8_t, kMaxPacket> data;
   std::size_t size = 0;

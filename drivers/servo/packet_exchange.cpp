@@ -2,37 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace tectum {
 namespace {
 
 using namespace dynamixel;
 
-constexpr std::uint8_t kAlarms = kVoltageError | kHeatError | kOverloadError;
-constexpr std::uint8_t kDisabling = kHeatError | kOverloadError;  // the factory's `shutdown`
-constexpr int kMostReadings = 4;                                  // until two in succession agree
+constexpr int kMuteSigns = 3;     // before it is no accident
+constexpr int kMostReadings = 4;  // until two in succession agree
 constexpr double kTopUnitsPerNs = ax12::kNoLoadSpeedDegS / ax12::kUnitDeg * 1e-9;
 constexpr int kPlausibleSlackUnits = 3;  // a shaft swings a little beyond what its speed alone allows
 constexpr int kWarmC = 5;                // below the limit is worth a word
-constexpr int kTorqueOffSigns = 2;
 constexpr int kReleaseRepeats = 3;
 
 // [0, 19): model_number to shutdown.
 constexpr std::size_t kSetupSize = 19;
-// [24, 44): torque_enable to present_temperature. 26 bytes with the frame, which an ArbotiX still passes.
-constexpr std::uint8_t kEverythingAt = ax12::kTorqueEnable.address;
-constexpr std::size_t kEverythingSize = 20;
+// [24, 50): the RAM. 26 bytes, the most that an ArbotiX passes.
+constexpr std::uint8_t kRamAt = ax12::kFirstRamAddress;
+constexpr std::size_t kRamSize = ax12::kTableSize - ax12::kFirstRamAddress;
+constexpr std::size_t kComplianceSize = 4;  // from cw_compliance_margin on
+constexpr int kVoltageSwing = 5;            // 0.5 V between two readings of a motor's supply
 
 std::uint16_t value_in(std::span<const std::uint8_t> bytes, std::uint8_t first_address, const ax12::Register& row) {
   const std::size_t at = row.address - std::size_t{first_address};
   return row.size == 1 ? bytes[at] : word(bytes[at], bytes[at + 1]);
 }
 
-std::string seconds(TimeNs ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
-  return text;
+// Whether two readings agree in all that does not change by itself.
+bool is_same_setting(std::uint8_t address, std::span<const std::uint8_t> one, std::span<const std::uint8_t> other) {
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const std::size_t at = address + i;
+    const bool is_moving_part = at >= ax12::kPresentPosition.address && at < ax12::kPresentVoltage.address;
+    if (is_moving_part || at == ax12::kMoving.address) {
+      continue;
+    }
+    // Without torque the goal follows the shaft.
+    const int swing = at == ax12::kPresentVoltage.address       ? kVoltageSwing
+                      : at == ax12::kPresentTemperature.address ? 1
+                      : at == ax12::kGoalPosition.address       ? 1
+                                                                : 0;
+    if (std::abs(one[i] - other[i]) > swing) {
+      return false;
+    }
+  }
+  return true;
 }
 
 std::uint16_t speed_units(const ServoJoint& joint) {
@@ -68,11 +81,11 @@ ExchangeStatus PacketExchange::begin() {
   for (std::size_t joint = 0; joint < kJointCount && !is_link_gone_; ++joint) {
     health(joint) = ServoHealth::Unknown;
     joints_[joint] = {};
-    if (is_present(joint)) {
+    for (int tries = 0; is_present(joint) && health(joint) == ServoHealth::Unknown && tries < kMuteSigns; ++tries) {
       get_ready(joint);
-      if (health(joint) == ServoHealth::Unknown) {
-        tell(joint, "does not answer");
-      }
+    }
+    if (is_present(joint) && health(joint) == ServoHealth::Unknown && joints_[joint].mute_signs < kMuteSigns) {
+      tell(joint, "does not answer");
     }
   }
   report_.is_connected = !is_link_gone_;
@@ -90,35 +103,51 @@ void PacketExchange::get_ready(std::size_t joint) {
     return;
   }
   std::array<std::uint8_t, kSetupSize> setup;
-  const BusAnswer answer = bus_.read(id(joint), 0, setup);
-  note(answer);
+  const BusAnswer answer = read_surely(joint, 0, setup);
   if (!answer.is_ok()) {
-    if (answer.status == BusStatus::NoAnswer && !state.is_told_mute) {
-      state.is_told_mute = true;
+    if (answer.status == BusStatus::NoAnswer && ++state.mute_signs == kMuteSigns) {
       tell(joint, "answers pings only: write 2 to its status_return_level");
     }
+    return;
+  }
+  if (options_.locks_eeprom) {
+    note(bus_.write(id(joint), ax12::kLock, 1));
+  }
+  std::array<std::uint8_t, kRamSize> ram;
+  if (!read_surely(joint, kRamAt, ram).is_ok()) {
     return;
   }
   state.answered_ns = link_.now_ns();
   state.needs_torque = true;
   state.has_goal = false;
   state.has_reading = false;
-  state.torque_off_signs = 0;
+  std::copy_n(ram.begin() + (ax12::kCwComplianceMargin.address - kRamAt), kComplianceSize, state.compliance.begin());
+  state.punch = value_in(ram, kRamAt, ax12::kPunch);
   health(joint) = ServoHealth::Working;
   check_setup(joint, setup);
-  if (health(joint) != ServoHealth::Working) {
-    return;
-  }
-  // A servo that shut down before we came keeps its torque limit of 0; check_shutdown() finds it and lets it rest.
-  const std::uint16_t wanted = map_.joints[joint].torque_limit;
-  std::uint16_t limit = wanted;
-  note(bus_.read(id(joint), ax12::kTorqueLimit, limit));
-  if (limit != 0 && limit != wanted) {
-    note(bus_.write(id(joint), ax12::kTorqueLimit, wanted));
-  }
-  if (limit == 0) {
+  // A servo that shut down before we came has a torque limit of 0: it is let rest like any other.
+  if (health(joint) == ServoHealth::Working && value_in(ram, kRamAt, ax12::kTorqueLimit) == 0) {
     check_shutdown(joint);
   }
+}
+
+BusAnswer PacketExchange::read_surely(std::size_t joint, std::uint8_t address, std::span<std::uint8_t> out) {
+  std::array<std::uint8_t, kRamSize> before;
+  BusAnswer answer;
+  bool has_before = false;
+  for (int readings = 0; readings < kMostReadings; ++readings) {
+    answer = bus_.read(id(joint), address, out);
+    note(answer);
+    if (!answer.is_ok()) {
+      return answer;
+    }
+    if (has_before && is_same_setting(address, out, before)) {
+      return answer;
+    }
+    has_before = true;
+    std::copy(out.begin(), out.end(), before.begin());
+  }
+  return {BusStatus::Damaged, answer.error_bits};
 }
 
 void PacketExchange::check_setup(std::size_t joint, std::span<const std::uint8_t> setup) {
@@ -208,7 +237,6 @@ void PacketExchange::switch_torque_on(std::size_t joint) {
   note(answer);
   if (answer.is_ok()) {
     joints_[joint].needs_torque = false;  // otherwise the next command tries again
-    joints_[joint].torque_off_signs = 0;
   }
 }
 
@@ -296,39 +324,63 @@ bool PacketExchange::read_position(std::size_t joint, Reading& reading) {
 }
 
 bool PacketExchange::read_everything(std::size_t joint, Reading& reading) {
-  std::array<std::uint8_t, kEverythingSize> bytes;
-  const BusAnswer answer = bus_.read(id(joint), kEverythingAt, bytes);
+  std::array<std::uint8_t, kRamSize> ram;
+  const BusAnswer answer = is_wire_noisy() ? read_surely(joint, kRamAt, ram) : bus_.read(id(joint), kRamAt, ram);
   reading.at_ns = link_.now_ns();
   note(answer);
   if (!answer.is_ok()) {
     return false;
   }
-  const auto value = [&](const ax12::Register& row) { return value_in(bytes, kEverythingAt, row); };
-  reading.units = value(ax12::kPresentPosition);
+  reading.units = value_in(ram, kRamAt, ax12::kPresentPosition);
+  take_ram(joint, ram);
+  if (is_link_gone_ || health(joint) == ServoHealth::Unknown) {
+    return false;
+  }
+  note_answer(joint, answer);
+  return !is_link_gone_;
+}
+
+void PacketExchange::take_ram(std::size_t joint, std::span<const std::uint8_t> ram) {
+  const auto value = [&](const ax12::Register& row) { return value_in(ram, kRamAt, row); };
+  JointState& state = joints_[joint];
   JointReport& told = report_.joints[joint];
   const std::uint16_t load = value(ax12::kPresentLoad);
   const double load_share = (load & (ax12::kDirectionBit - 1)) / 1000.0;
   told.load_share = (load & ax12::kDirectionBit) != 0 ? -load_share : load_share;
   told.supply_v = value(ax12::kPresentVoltage) / 10.0;
   told.temperature_c = value(ax12::kPresentTemperature);
-
-  JointState& state = joints_[joint];
   const bool is_hot = told.temperature_c >= state.temperature_limit_c - kWarmC;
   if (is_hot && !state.is_told_hot) {
     tell(joint, "is at " + std::to_string(told.temperature_c) + " C and shuts down above " +
                     std::to_string(state.temperature_limit_c) + " C");
   }
   state.is_told_hot = is_hot;
-  // A servo that lost its power for a moment is back before it was missed, but limp.
+
+  // A servo that lost its power for a moment is back before it was missed, but limp and unlocked.
   const bool should_hold = report_.is_torque_on && state.has_goal && !state.needs_torque;
-  state.torque_off_signs = should_hold && value(ax12::kTorqueEnable) == 0 ? state.torque_off_signs + 1 : 0;
-  if (state.torque_off_signs >= kTorqueOffSigns) {
-    tell(joint, "has lost its torque, as after a power cut; it is got ready again");
+  if ((should_hold && value(ax12::kTorqueEnable) == 0) || (options_.locks_eeprom && value(ax12::kLock) == 0)) {
+    tell(joint, "was reset, as by a power cut; it is got ready again");
+    health(joint) = ServoHealth::Unknown;
     get_ready(joint);
-    return false;
+  } else if (health(joint) == ServoHealth::Working) {
+    put_settings_back(joint, ram);
   }
-  note_answer(joint, answer);
-  return !is_link_gone_;
+}
+
+void PacketExchange::put_settings_back(std::size_t joint, std::span<const std::uint8_t> ram) {
+  const JointState& state = joints_[joint];
+  const auto compliance = ram.subspan(ax12::kCwComplianceMargin.address - std::size_t{kRamAt}, kComplianceSize);
+  if (!std::equal(compliance.begin(), compliance.end(), state.compliance.begin())) {
+    note(bus_.write(id(joint), ax12::kCwComplianceMargin.address, state.compliance));
+  }
+  if (value_in(ram, kRamAt, ax12::kPunch) != state.punch) {
+    note(bus_.write(id(joint), ax12::kPunch, state.punch));
+  }
+  // A limit of 0 is a shut-down, and not for us to lift here.
+  const std::uint16_t limit = value_in(ram, kRamAt, ax12::kTorqueLimit);
+  if (limit != 0 && limit != map_.joints[joint].torque_limit) {
+    note(bus_.write(id(joint), ax12::kTorqueLimit, map_.joints[joint].torque_limit));
+  }
 }
 
 bool PacketExchange::is_wire_noisy() noexcept {
@@ -369,119 +421,6 @@ void PacketExchange::take_reading(std::size_t joint, Reading reading) {
   ++report_.positions;
   report_.joints[joint].position_deg = deg_of(map_.joints[joint], reading.units);
   report_.joints[joint].measured_ns = reading.at_ns;
-}
-
-// --- health --------------------------------------------------------------------------------------------------------
-
-void PacketExchange::note_answer(std::size_t joint, const BusAnswer& answer) {
-  JointState& state = joints_[joint];
-  state.answered_ns = link_.now_ns();
-  report_.joints[joint].error_bits = answer.error_bits;
-  const std::uint8_t alarms = answer.error_bits & kAlarms;
-  const auto twice = static_cast<std::uint8_t>(alarms & state.last_bits);
-  const auto either = static_cast<std::uint8_t>(alarms | state.last_bits);
-  state.last_bits = alarms;
-  // Told when two answers in succession have it, over when two have not.
-  const auto standing = static_cast<std::uint8_t>((state.told_bits & either) | twice);
-  if (standing != state.told_bits) {
-    tell_alarms(joint, standing);
-  }
-  if ((standing & kDisabling) != 0 && health(joint) == ServoHealth::Working) {
-    check_shutdown(joint);
-  }
-}
-
-void PacketExchange::tell_alarms(std::size_t joint, std::uint8_t bits) {
-  JointState& state = joints_[joint];
-  for (std::size_t bit = 0; bit < kErrorBitNames.size(); ++bit) {
-    const auto mask = static_cast<std::uint8_t>(1U << bit);
-    if ((bits & mask) != 0 && (state.told_bits & mask) == 0) {
-      tell(joint, std::string("reports ") + kErrorBitNames[bit]);
-    } else if ((bits & mask) == 0 && (state.told_bits & mask) != 0) {
-      tell(joint, std::string("no longer reports ") + kErrorBitNames[bit]);
-    }
-  }
-  state.told_bits = bits;
-}
-
-void PacketExchange::check_shutdown(std::size_t joint) {
-  // Torque limit and position in one answer of four bytes, a size that nothing else has.
-  std::array<std::uint8_t, 4> bytes;
-  const BusAnswer answer = bus_.read(id(joint), ax12::kTorqueLimit.address, bytes);
-  note(answer);
-  if (!answer.is_ok() || word(bytes[0], bytes[1]) != 0) {
-    return;  // an alarm that does not take its torque away is only told
-  }
-  JointState& state = joints_[joint];
-  health(joint) = ServoHealth::ShutDown;
-  state.has_goal = false;
-  state.revive_at_ns = link_.now_ns() + options_.rest_ns;
-  if (has_revived_too_often(state)) {
-    health(joint) = ServoHealth::GivenUp;
-    tell(joint, "shut down for the " + std::to_string(options_.most_revivals + 1) + "th time in " +
-                    seconds(options_.revival_window_ns) + " and is left limp");
-  } else {
-    tell(joint, "has shut down and is limp; it is revived after " + seconds(options_.rest_ns));
-  }
-}
-
-bool PacketExchange::has_revived_too_often(JointState& state) noexcept {
-  int recent = 0;
-  const TimeNs now_ns = link_.now_ns();
-  for (std::size_t i = 0; i < std::min(state.revival_count, state.revivals_ns.size()); ++i) {
-    recent += now_ns - state.revivals_ns[i] < options_.revival_window_ns ? 1 : 0;
-  }
-  return recent >= options_.most_revivals;
-}
-
-void PacketExchange::revive(std::size_t joint) {
-  JointState& state = joints_[joint];
-  const auto rest = [&] { state.revive_at_ns = link_.now_ns() + options_.rest_ns; };
-  std::uint16_t temperature_c = 0;
-  const BusAnswer warm = bus_.read(id(joint), ax12::kPresentTemperature, temperature_c);
-  note(warm);
-  if (!warm.is_ok() || !state.has_reading || temperature_c > state.temperature_limit_c - options_.cool_down_c) {
-    rest();
-    return;
-  }
-  // Its own place as goal first: with torque it must not jump to where it was told to go before. A goal may switch
-  // torque on, so that a head that is to be limp gets none.
-  if (report_.is_torque_on && !bus_.write(id(joint), ax12::kGoalPosition, state.last.units).is_ok()) {
-    rest();
-    return;
-  }
-  std::uint16_t limit = 0;
-  if (!bus_.write(id(joint), ax12::kTorqueLimit, map_.joints[joint].torque_limit).is_ok() ||
-      !bus_.read(id(joint), ax12::kTorqueLimit, limit).is_ok() || limit == 0) {
-    rest();
-    return;
-  }
-  state.revivals_ns[state.revival_count % state.revivals_ns.size()] = link_.now_ns();
-  ++state.revival_count;
-  state.needs_torque = true;
-  state.last_bits = 0;
-  state.told_bits = 0;
-  health(joint) = ServoHealth::Working;
-  tell(joint, "is revived: torque limit " + std::to_string(limit) + " again");
-}
-
-void PacketExchange::note_silence(std::size_t joint) {
-  JointState& state = joints_[joint];
-  const TimeNs silent_ns = link_.now_ns() - state.answered_ns;
-  if (silent_ns >= options_.lost_after_ns) {
-    health(joint) = ServoHealth::Lost;
-    state.has_goal = false;
-    tell(joint, "has not answered for " + seconds(silent_ns));
-  }
-}
-
-void PacketExchange::come_back(std::size_t joint) {
-  const ServoHealth before = health(joint);
-  get_ready(joint);
-  if (health(joint) == before || is_link_gone_) {
-    return;
-  }
-  tell(joint, before == ServoHealth::Lost ? "answers again" : "has come");
 }
 
 }  // namespace tectum

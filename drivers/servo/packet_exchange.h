@@ -38,6 +38,7 @@ struct PacketExchangeOptions {
   int most_revivals = 3;           // in revival_window_ns
   TimeNs revival_window_ns = 60'000'000'000;
   TimeNs noise_memory_ns = 5'000'000'000;
+  bool locks_eeprom = true;
 };
 
 class PacketExchange final : public ServoExchange {
@@ -64,11 +65,12 @@ class PacketExchange final : public ServoExchange {
     Reading last;            // confirmed
     TimeNs answered_ns = 0;  // any whole answer
     TimeNs asked_ns = 0;
-    bool is_told_mute = false;
+    int mute_signs = 0;          // times that it answered a ping and no read
     std::uint8_t last_bits = 0;  // alarms of the answer before
     std::uint8_t told_bits = 0;  // alarms that people have been told of
     bool is_told_hot = false;
-    int torque_off_signs = 0;  // readings in succession of torque_enable 0 where it should be 1
+    std::array<std::uint8_t, 4> compliance{};  // margins and slopes as they were found
+    std::uint16_t punch = 0;
     int temperature_limit_c = 70;
     TimeNs revive_at_ns = 0;
     std::array<TimeNs, 8> revivals_ns{};  // a ring
@@ -84,6 +86,8 @@ class PacketExchange final : public ServoExchange {
   void note(const BusAnswer& answer) noexcept;
 
   void get_ready(std::size_t joint);
+  /// Twice the same. No answer is trusted alone where much hangs on it.
+  [[nodiscard]] BusAnswer read_surely(std::size_t joint, std::uint8_t address, std::span<std::uint8_t> out);
   void check_setup(std::size_t joint, std::span<const std::uint8_t> setup);
   void write_goals();
   void switch_torque_on(std::size_t joint);
@@ -92,6 +96,8 @@ class PacketExchange final : public ServoExchange {
   void ask(std::size_t joint);
   [[nodiscard]] bool read_position(std::size_t joint, Reading& reading);
   [[nodiscard]] bool read_everything(std::size_t joint, Reading& reading);
+  void take_ram(std::size_t joint, std::span<const std::uint8_t> ram);
+  void put_settings_back(std::size_t joint, std::span<const std::uint8_t> ram);
   void take_reading(std::size_t joint, Reading reading);
   void note_answer(std::size_t joint, const BusAnswer& answer);
   void note_silence(std::size_t joint);

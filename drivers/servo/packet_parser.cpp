@@ -7,27 +7,6 @@ namespace {
 
 constexpr std::size_t kMinLength = kLengthOverhead;
 
-// Whether an instruction can have this LEN. What no servo knows may have any: it is answered with an error.
-bool can_have_length(std::uint8_t instruction, std::size_t length) noexcept {
-  switch (static_cast<Instruction>(instruction)) {
-    case Instruction::Ping:
-    case Instruction::Action:
-    case Instruction::FactoryReset:
-      return length == kLengthOverhead;
-    case Instruction::Read:
-      return length == kLengthOverhead + 2;
-    case Instruction::Write:
-    case Instruction::RegWrite:
-      return length >= kLengthOverhead + 2;
-    case Instruction::SyncWrite:
-    case Instruction::SyncRead:
-      return length >= kLengthOverhead + 3;
-    case Instruction::BulkRead:
-      return length >= kLengthOverhead + 4 && length % 3 == 0;
-  }
-  return true;
-}
-
 }  // namespace
 
 void PacketParser::expect(std::uint8_t id, std::uint8_t parameter_count) noexcept {
@@ -83,10 +62,7 @@ bool PacketParser::is_plausible() const noexcept {
     }
   }
   if (have > kCodeAt) {
-    if (kind_ == PacketKind::Status) {
-      return (at[kCodeAt] & 0x80U) == 0;  // bit 7 of ERR is always 0
-    }
-    return can_have_length(at[kCodeAt], at[kLengthAt]);
+    return kind_ == PacketKind::Instruction || (at[kCodeAt] & 0x80U) == 0;  // bit 7 of ERR is always 0
   }
   return true;
 }
@@ -110,7 +86,7 @@ ParseResult PacketParser::next(Packet& out) noexcept {
     out.code = frame[kCodeAt];
     if (checksum(frame.subspan(kIdAt, size - kIdAt - 1)) != frame.back()) {
       ++counters_.bad_checksums;
-      skip(1);
+      skip(kind_ == PacketKind::Status ? 1 : size);
       return ParseResult::BadChecksum;
     }
     out.parameter_count = static_cast<std::uint8_t>(size - kPacketOverhead);

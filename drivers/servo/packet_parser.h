@@ -1,8 +1,14 @@
 // Finds frames in a stream of bytes that may hold anything.
 //
-// Bytes that belong to no frame are skipped. A frame whose checksum is wrong is given up byte by byte, so that a whole
-// frame inside or right behind a damaged one is found as soon as its last byte is there: nothing waits for a time-out.
-// A length that no expected frame can have is never waited for.
+// Bytes that belong to no packet are skipped. The two ends of the wire differ in what they do next.
+//
+// The host (Status) gives up a packet with a wrong checksum byte by byte, so that a whole packet inside or right behind
+// a damaged one is found as soon as its last byte is there: nothing waits for a time-out. A length that no expected
+// packet can have is never waited for.
+//
+// A servo (Instruction) collects as many bytes as the length says, whatever they are, and drops them all when the
+// checksum is wrong. A damaged length therefore swallows what comes behind it, up to 255 bytes, or until the line has
+// been quiet for 100 ms (e-manual, "Byte to Byte Time"; clear() is for that).
 #pragma once
 
 #include <array>

@@ -147,6 +147,24 @@ TEST_CASE("the servo reports a packet that reached it damaged, and it is sent ag
   CHECK(failures < 25);
 }
 
+// Without that, it would swallow the next thirty questions, or hear nothing for 100 ms.
+TEST_CASE("a servo that waits for bytes that nobody sends is woken, and no register changes") {
+  Bench bench;
+  CHECK(bench.bus.ping(1).is_ok());
+  for (const std::uint8_t instruction : Bytes{1, 2, 3, 4, 0x83}) {
+    std::array<std::uint8_t, ax12::kTableSize> before{};
+    std::array<std::uint8_t, ax12::kTableSize> after{};
+    CHECK(bench.bus.read(1, 0, before).is_ok());
+    const Bytes endless = {0xFF, 0xFF, 1, 250, instruction, 24};
+    CHECK(bench.link.write(endless));
+    const TimeNs start_ns = bench.link.now_ns();
+    CHECK(bench.bus.ping(1).is_ok());
+    CHECK(bench.link.now_ns() - start_ns < 20 * kMs);
+    CHECK(bench.bus.read(1, 0, after).is_ok());
+    CHECK(before == after);
+  }
+}
+
 // An answer does not name its question: the late position would pass for the goal that is asked for next.
 TEST_CASE("a late answer is not taken for the answer to the next question") {
   Bench bench({1}, {.attempts = 1});

@@ -164,18 +164,46 @@ TEST_CASE("a lost servo is named within a quarter of a second, and welcomed when
   CHECK(bench.servo(3).get(ax12::kTorqueEnable) == 1);
 }
 
-TEST_CASE("a servo whose power failed for a moment is found limp and got ready again") {
+TEST_CASE("a servo whose power failed for a moment is noticed and got ready again") {
   Bench bench;
   (void)bench.exchange->begin();
   bench.command(10);
   bench.run(kSecond);
   bench.servo(3).power_cycle(bench.link.now_ns());
-  // The goal that is sent again each round would switch torque on by itself; this servo has firmware that does not.
-  bench.servo(3).set(ax12::kTorqueEnable, 0, bench.link.now_ns());
-  bench.run(300 * kMs);
+  bench.run(200 * kMs);
+  CHECK(bench.was_told("servo 3 (left_eye_pan) was reset, as by a power cut; it is got ready again"));
+  CHECK(bench.servo(3).get(ax12::kLock) == 1);
   bench.command(10);
   bench.run(100 * kMs);
   CHECK(bench.servo(3).get(ax12::kTorqueEnable) == 1);
+}
+
+// At 1 % byte errors a goal's packet becomes a whole packet for another address every few minutes; from 30 one flipped
+// bit leads to 14, where the status return level is written to 0 and the servo never answers again.
+TEST_CASE("the EEPROM is locked as soon as a servo is found") {
+  Bench bench;
+  (void)bench.exchange->begin();
+  for (std::uint8_t id = 1; id <= 6; ++id) {
+    CHECK(bench.servo(id).get(ax12::kLock) == 1);
+  }
+}
+
+TEST_CASE("settings in RAM that something has changed are put back") {
+  Bench bench;
+  bench.servo(3).set(ax12::kCwComplianceMargin, 4, 0);  // the head's own, set by somebody before the start
+  (void)bench.exchange->begin();
+  bench.command(10);
+  bench.run(200 * kMs);
+  const TimeNs now_ns = bench.link.now_ns();
+  bench.servo(3).set(ax12::kCwComplianceMargin, 200, now_ns);
+  bench.servo(3).set(ax12::kCcwComplianceSlope, 128, now_ns);
+  bench.servo(3).set(ax12::kPunch, 900, now_ns);
+  bench.servo(3).set(ax12::kTorqueLimit, 100, now_ns);
+  bench.run(200 * kMs);
+  CHECK(bench.servo(3).get(ax12::kCwComplianceMargin) == 4);
+  CHECK(bench.servo(3).get(ax12::kCcwComplianceSlope) == 32);
+  CHECK(bench.servo(3).get(ax12::kPunch) == 32);
+  CHECK(bench.servo(3).get(ax12::kTorqueLimit) == 1023);
 }
 
 TEST_CASE(
@@ -303,12 +331,13 @@ TEST_CASE("an ArbotiX passes enough for the head to move and be measured") {
   CHECK(exchange.begin() == ExchangeStatus::RoundOver);
   ServoCommand goals;
   goals.goal_deg[kLeftPan] = 20;
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 200; ++round) {
     CHECK(exchange.send(goals) == ExchangeStatus::Busy);
     const TimeNs start_ns = link.now_ns();
     while (exchange.poll() == ExchangeStatus::Busy) {
     }
-    CHECK(link.now_ns() - start_ns < 30 * kMs);  // a round at 115200 baud, each position read twice
+    // 115200 baud both ways; in the first five seconds everything is read twice.
+    CHECK(link.now_ns() - start_ns < (round < 160 ? 40 : 20) * kMs);
     link.sleep_until(start_ns + 33 * kMs);
   }
   CHECK(bench.report.wire.troubles() == 0);

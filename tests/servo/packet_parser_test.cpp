@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <random>
+#include <tuple>
 #include <vector>
 
 using namespace tectum::dynamixel;
@@ -120,14 +121,30 @@ TEST_CASE("an answer of another servo, or of another size, is not the expected o
   CHECK(parse(parser, of(encode_status(1, kRangeError, {}))).frames.size() == 1);  // a refusal has no parameters
 }
 
-TEST_CASE("an instruction whose length does not fit it is not waited for") {
+// As a servo does; the bus has to cope with it.
+TEST_CASE("a servo collects what the length says, drops it all, and hears the packet behind it") {
   Bytes stream = of(encode_ping(1));
-  stream[kLengthAt] = 0x80;
+  stream[kLengthAt] = 2 + 6;  // swallows the next packet
   append(stream, of(encode_ping(2)));
+  append(stream, of(encode_ping(3)));
   PacketParser parser(PacketKind::Instruction);
   const Found found = parse(parser, stream);
+  CHECK(found.bad_checksums == 1);
   REQUIRE(found.frames.size() == 1);
-  CHECK(found.frames[0].id == 2);
+  CHECK(found.frames[0].id == 3);
+}
+
+TEST_CASE("an instruction with parameters that it cannot have is told from one that can") {
+  Packet packet;
+  for (const auto& [code, fits, does_not] :
+       {std::tuple{Instruction::Ping, 0, 1}, std::tuple{Instruction::Read, 2, 1}, std::tuple{Instruction::Write, 2, 1},
+        std::tuple{Instruction::SyncWrite, 3, 2}, std::tuple{Instruction::BulkRead, 4, 5}}) {
+    packet.code = static_cast<std::uint8_t>(code);
+    packet.parameter_count = static_cast<std::uint8_t>(fits);
+    CHECK(has_fitting_length(packet));
+    packet.parameter_count = static_cast<std::uint8_t>(does_not);
+    CHECK_FALSE(has_fitting_length(packet));
+  }
 }
 
 TEST_CASE("every frame that is encoded is decoded to the same") {

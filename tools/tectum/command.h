@@ -16,5 +16,6 @@ void add_check_command(CLI::App& app, CommandContext& context);
 void add_compile_command(CLI::App& app, CommandContext& context);
 void add_dump_command(CLI::App& app, CommandContext& context);
 void add_run_command(CLI::App& app, CommandContext& context);
+void add_servo_command(CLI::App& app, CommandContext& context);
 
 }  // namespace tectum

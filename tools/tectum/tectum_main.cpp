@@ -21,6 +21,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_compile_command(app, context);
   add_dump_command(app, context);
   add_run_command(app, context);
+  add_servo_command(app, context);
 
   std::vector<std::string> reversed(args.rbegin(), args.rend());
   if (reversed.empty()) {

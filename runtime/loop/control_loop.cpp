@@ -65,6 +65,8 @@ LoopStatus ControlLoop::turn() noexcept {
   stage_times_.decode_ns = stopwatch.lap_ns();
   write();
   stage_times_.write_ns = stopwatch.lap_ns();
+  frame_.stage_ns = {stage_times_.read_ns, stage_times_.encode_ns, stage_times_.step_ns, stage_times_.decode_ns,
+                     stage_times_.write_ns};
   ++counters_.turns;
   return LoopStatus::Running;
 }
@@ -86,7 +88,8 @@ TimeNs ControlLoop::wait_for_turn() noexcept {
   }
   ports_.clock.sleep_until(due_ns_);
   const TimeNs now_ns = ports_.clock.now_ns();
-  const TimeNs missed = (now_ns - due_ns_) / options_.frame_period_ns;
+  frame_.late_ns = now_ns - due_ns_;
+  const TimeNs missed = frame_.late_ns / options_.frame_period_ns;
   if (missed > 0) {
     ++counters_.late_turns;
     counters_.skipped_periods += static_cast<std::uint64_t>(missed);
@@ -202,13 +205,19 @@ void ControlLoop::decode(TimeNs now_ns) noexcept {
   }
   frame_.time_ns = now_ns;
   frame_.position_deg = feedback_.position_deg;
+  frame_.fresh_mask = feedback_.fresh_mask;
+  frame_.camera_age_ns = camera_age_ns;
+  const GuardRequest request = request_.load(std::memory_order_relaxed);
+  frame_.request = static_cast<std::uint8_t>(request);
   decoder_.decode(frame_.decoded_deg);
   has_command_ = guard_.decide({.now_ns = now_ns,
                                 .decoded_deg = frame_.decoded_deg,
                                 .feedback = feedback_,
                                 .camera_age_ns = camera_age_ns,
-                                .request = request_.load(std::memory_order_relaxed)},
+                                .request = request},
                                command_);
+  frame_.guard_state = static_cast<std::uint8_t>(guard_.state());
+  frame_.has_command = has_command_;
   if (has_command_) {
     decoder_.accept(command_.goal_deg);
     frame_.goal_deg = command_.goal_deg;

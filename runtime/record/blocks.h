@@ -14,7 +14,15 @@ inline constexpr std::array<char, 8> kRecordingMagic = {'T', 'E', 'C', 'T', 'R',
 inline constexpr std::size_t kFileHeaderBytes = 16;
 inline constexpr std::size_t kBlockHeaderBytes = 16;
 
-enum class BlockKind : std::uint32_t { Description = 1, Run = 2, Spikes = 3, Frames = 4, End = 5 };
+enum class BlockKind : std::uint32_t {
+  Description = 1,
+  Run = 2,
+  Spikes = 3,
+  Frames = 4,
+  End = 5,
+  Image = 6,
+  Positions = 7
+};
 
 /// The text of the Description block.
 [[nodiscard]] std::string_view recording_description();
@@ -27,9 +35,13 @@ void put_frame(const RecordedFrame& frame, BlockWriter& out);
 /// Bytes that put_frame writes at most for this run's retinas.
 [[nodiscard]] std::size_t largest_frame_bytes(const Recording& run);
 
+inline constexpr std::size_t kPositionsBytes = sizeof(TimeNs) + kJointCount * sizeof(double);
+void put_positions(const RecordedPositions& positions, BlockWriter& out);
+
 /// Each appends to `out` what the payload says; false when the payload is not what its kind says.
 [[nodiscard]] bool get_run(BlockReader& in, Recording& out);
 [[nodiscard]] bool get_frames(BlockReader& in, Recording& out);
 [[nodiscard]] bool get_spikes(BlockReader& in, Recording& out);
+[[nodiscard]] bool get_positions(BlockReader& in, Recording& out);
 
 }  // namespace tectum

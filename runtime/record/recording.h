@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,9 +53,29 @@ struct RecordedFrame {
   std::array<double, kJointCount> decoded_deg{};                    // before the guard
   std::array<double, kJointCount> goal_deg{};                       // what the servos were told
   std::array<double, kJointCount> position_deg{};                   // what they measured at time_ns
+  std::uint32_t fresh_mask = 0;      // joints measured since the frame before; bit = Joint
+  TimeNs camera_age_ns = 0;          // of the newer eye's newest frame
+  std::uint8_t request = 0;          // GuardRequest
+  std::uint8_t guard_state = 0;      // GuardState that the guard went into
+  bool has_command = false;          // goal_deg was handed to the servos
+  TimeNs late_ns = 0;                // behind the schedule
+  std::array<TimeNs, 5> stage_ns{};  // read, encode, step, decode, write; or zeros
   bool has_truth = false;
   std::array<double, 2> target_on_wall_m{};  // right, up; from the point straight ahead
   std::array<EyeTruth, kEyeCount> eye{};
+};
+
+/// The guard's settings that a replay needs; the same as GuardOptions.
+struct RecordedGuard {
+  std::array<double, kJointCount> neutral_deg{};
+  double approach_speed_deg_s = 0, ease_speed_deg_s = 0;
+  TimeNs hold_after_ns = 0, ease_after_ns = 0, servo_lost_after_ns = 0, max_step_ns = 0;
+};
+
+/// Joints between the frames, from a head that can be asked that often.
+struct RecordedPositions {
+  TimeNs time_ns = 0;
+  std::array<double, kJointCount> position_deg{};
 };
 
 struct Recording {
@@ -66,10 +87,13 @@ struct Recording {
   TimeNs frame_period_ns = 0;
   double duration_s = 0;
   double wall_distance_m = 0;
+  RecordedGuard guard;
+  std::vector<std::byte> image;  // the image file that ran, or nothing
   std::vector<RecordedPopulation> populations;
   std::vector<RecordedRetina> retinas;
   std::vector<RecordedFrame> frames;
   std::vector<RecordedSpike> spikes;  // ascending by (tick, neuron)
+  std::vector<RecordedPositions> positions;
 };
 
 }  // namespace tectum

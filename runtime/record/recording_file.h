@@ -9,12 +9,15 @@
 //   3  Spikes       of the frames that follow
 //   4  Frames       turns of the loop; their spikes are in the blocks before
 //   5  End          the run was finished; nothing follows
+//   6  Image        the image that ran, so that the run can be replayed from this file alone; after Run, or not at all
+//   7  Positions    of the joints between the frames, where they were sampled; anywhere after Run
 //
 // A file cut at any byte opens up to its last whole block. It holds no wall-clock time: identical runs leave identical
 // bytes. Blocks are cut by counts of frames and bytes alone.
 //
 // Version history
 //   1  first version
+//   2  what the guard saw and did, loop timing, the image, positions between frames
 #pragma once
 
 #include <cstdint>
@@ -22,16 +25,19 @@
 #include <memory>
 #include <string>
 
+#include "runtime/act/servo_guard.h"
 #include "runtime/image/load_image.h"
 #include "runtime/loop/spike_sink.h"
 #include "runtime/record/recording.h"
 
 namespace tectum {
 
-inline constexpr std::uint32_t kRecordingVersion = 1;
+inline constexpr std::uint32_t kRecordingVersion = 2;
 
-/// What a recording says of its image: names, populations, retinas, tick, seed. No frames or spikes yet.
+/// What a recording says of its image: names, populations, retinas, tick, seed, its bytes. No frames or spikes yet.
 [[nodiscard]] Recording describe_run(const SpikeImage& image);
+/// With which settings the guard ran; describe_run() takes the guard's own.
+void describe_guard(const GuardOptions& options, Recording& run);
 
 /// Appends a run to a file. A failed write is remembered: everything after it does nothing and says false.
 class RecordingWriter final : public SpikeSink {
@@ -46,6 +52,8 @@ class RecordingWriter final : public SpikeSink {
   void take(std::uint64_t tick, std::span<const NeuronId> spikes) noexcept override;
   /// One turn. Writes a block now and then. No allocation.
   [[nodiscard]] bool frame(const RecordedFrame& frame) noexcept;
+  /// Joints between two frames; before the frame that follows it. No allocation.
+  void positions(const RecordedPositions& positions) noexcept;
   /// Writes what is left and the end block, and closes.
   [[nodiscard]] bool finish(double duration_s);
   /// One line, or empty.

@@ -78,6 +78,17 @@ bool take_block(const Block& block, ReadRecording& read, bool& has_run, bool& ha
       recording.frames.resize(before);
       return false;
     }
+    case BlockKind::Positions: {
+      const std::size_t before = recording.positions.size();
+      if (has_run && get_positions(in, recording)) {
+        return true;
+      }
+      recording.positions.resize(before);
+      return false;
+    }
+    case BlockKind::Image:
+      recording.image = block.payload;
+      return has_run && recording.frames.empty();
     case BlockKind::End: {
       in.get(recording.duration_s);
       has_ended = has_run && in.is_whole() && in.is_at_end();
@@ -140,30 +151,6 @@ ReadRecording read_recording(std::istream& file, const std::string& path) {
                   std::to_string(recording.frames.size()) + " frames are whole";
   }
   return read;
-}
-
-Recording describe_run(const SpikeImage& image) {
-  Recording run;
-  run.circuit_name = image.name(image.header.circuit_name);
-  run.seed = image.header.seed;
-  run.image_checksum = image.header.checksum;
-  run.tick_ns = image.header.tick_ns;
-  for (const PopulationRecord& population : image.populations) {
-    run.populations.push_back({.name = std::string(image.name(population.name)),
-                               .nucleus = std::string(image.name(population.nucleus)),
-                               .first_neuron = population.first_neuron,
-                               .size = population.size});
-  }
-  for (const RetinaRecord& retina : image.retinas) {
-    const auto fields = image.fields.subspan(retina.first_field, retina.field_count);
-    run.retinas.push_back({.name = std::string(image.name(retina.name)),
-                           .eye = retina.eye,
-                           .field_of_view_deg = retina.field_of_view_deg,
-                           .frame_width = retina.frame_width,
-                           .frame_height = retina.frame_height,
-                           .fields = {fields.begin(), fields.end()}});
-  }
-  return run;
 }
 
 }  // namespace tectum

@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint32_t kFramesPerBlock = 16;
 constexpr std::size_t kSpikeBlockBytes = std::size_t{1} << 16U;
 constexpr std::size_t kSpikeBytes = 8;
+constexpr std::uint32_t kPositionsPerBlock = 1024;
 constexpr std::uint64_t kMaxTickOffset = 0xFFFFFFFFU;
 
 /// Neurons that can fire in one tick. Capped, since a recording read from a file can claim any number.
@@ -29,8 +30,8 @@ struct RecordingWriter::Impl {
   std::string path;
   std::string error;
   bool has_failed = false;
-  BlockWriter frames, spikes;
-  std::uint32_t frame_count = 0, spike_count = 0;
+  BlockWriter frames, spikes, between;
+  std::uint32_t frame_count = 0, spike_count = 0, between_count = 0;
   std::uint64_t first_tick = 0;
 
   ~Impl() { close(); }
@@ -45,6 +46,7 @@ struct RecordingWriter::Impl {
   }
   void put_block(BlockKind kind, std::span<const std::byte> payload);
   void flush_spikes();
+  void flush_positions();
   void flush_frames();
 };
 
@@ -75,8 +77,18 @@ void RecordingWriter::Impl::flush_spikes() {
   spike_count = 0;
 }
 
+void RecordingWriter::Impl::flush_positions() {
+  if (between_count > 0) {
+    std::memcpy(between.bytes.data(), &between_count, sizeof between_count);
+    put_block(BlockKind::Positions, between.bytes);
+  }
+  between.bytes.resize(sizeof between_count);
+  between_count = 0;
+}
+
 void RecordingWriter::Impl::flush_frames() {
   flush_spikes();
+  flush_positions();
   if (frame_count > 0) {
     std::memcpy(frames.bytes.data(), &frame_count, sizeof frame_count);
     put_block(BlockKind::Frames, frames.bytes);
@@ -100,6 +112,8 @@ bool RecordingWriter::open(const std::string& path, const Recording& run) {
   out.frames.bytes.reserve(kFramesPerBlock * largest_frame_bytes(run) + sizeof(std::uint32_t));
   out.spikes.bytes.reserve(kSpikeBlockBytes + kSpikeBytes * (neuron_count(run) + 2));
 
+  out.between.bytes.reserve(kPositionsPerBlock * kPositionsBytes + sizeof(std::uint32_t));
+
   BlockWriter header;
   header.put_all(kRecordingMagic);
   header.put(kRecordingVersion);
@@ -109,6 +123,9 @@ bool RecordingWriter::open(const std::string& path, const Recording& run) {
   BlockWriter facts;
   put_run(run, facts);
   out.put_block(BlockKind::Run, facts.bytes);
+  if (!run.image.empty()) {
+    out.put_block(BlockKind::Image, run.image);
+  }
   out.flush_frames();  // nothing yet: leaves room for the counts
   if (out.has_failed) {
     out.error = "cannot write to `" + path + "`";
@@ -144,6 +161,17 @@ bool RecordingWriter::frame(const RecordedFrame& frame) noexcept {
     out.flush_frames();
   }
   return !out.has_failed;
+}
+
+void RecordingWriter::positions(const RecordedPositions& positions) noexcept {
+  Impl& out = *impl_;
+  if (out.file == nullptr) {
+    return;
+  }
+  put_positions(positions, out.between);
+  if (++out.between_count == kPositionsPerBlock) {
+    out.flush_positions();
+  }
 }
 
 bool RecordingWriter::finish(double duration_s) {
@@ -182,6 +210,9 @@ std::string write_recording(const Recording& recording, const std::string& path)
     }
   };
   bool is_written = true;
+  for (const RecordedPositions& positions : recording.positions) {
+    writer.positions(positions);
+  }
   for (std::size_t k = 0; k < recording.frames.size() && is_written; ++k) {
     const bool is_last = k + 1 == recording.frames.size();
     take_before(is_last ? ~std::uint64_t{0} : recording.frames[k + 1].tick);

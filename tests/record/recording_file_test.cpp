@@ -66,6 +66,13 @@ TEST_CASE("what is written is read back, bit for bit") {
   CHECK(r.retinas[0].frame_height == 480);
   REQUIRE(r.retinas[0].fields.size() == 2);
   CHECK(r.retinas[0].fields[1].y1 == 7);
+  CHECK(r.guard.neutral_deg == written.guard.neutral_deg);
+  CHECK(r.guard.ease_speed_deg_s == 8);
+  CHECK(r.guard.max_step_ns == 12);
+  CHECK(r.image == written.image);
+  REQUIRE(r.positions.size() == 40);
+  CHECK(r.positions[39].time_ns == written.positions[39].time_ns);
+  CHECK(r.positions[39].position_deg == written.positions[39].position_deg);
   CHECK(r.frames.size() == 40);
   CHECK(r.spikes.size() == 120);
   check_prefix(r, written);

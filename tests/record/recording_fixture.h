@@ -21,6 +21,8 @@ inline Recording small_recording(std::size_t frame_count) {
   r.tick_ns = 100'000;
   r.frame_period_ns = 22'222'222;
   r.wall_distance_m = 0.55;
+  r.guard = {{1, 2, 3, 4, 5, 6}, 7, 8, 9, 10, 11, 12};
+  r.image = {std::byte{1}, std::byte{2}, std::byte{3}};
   r.populations = {{"SC.left", "SC", 0, 3}, {"EBN.right", "", 3, 2}};
   r.retinas = {{"left_eye", Eye::Left, 39.5, 720, 480, {{0, 1, 2, 3}, {4, 5, 6, 7}}},
                {"right_eye", Eye::Right, 40.5, 360, 240, {{8, 9, 10, 11}}}};
@@ -40,6 +42,13 @@ inline Recording small_recording(std::size_t frame_count) {
     fill(f.decoded_deg);
     fill(f.goal_deg);
     fill(f.position_deg);
+    f.fresh_mask = static_cast<std::uint32_t>(k % 64);
+    f.camera_age_ns = 1000 + static_cast<TimeNs>(k);
+    f.request = static_cast<std::uint8_t>(k % 4);
+    f.guard_state = static_cast<std::uint8_t>(k % 8);
+    f.has_command = k % 3 != 0;
+    f.late_ns = 17 + static_cast<TimeNs>(k);
+    f.stage_ns = {1, 2, 3, 4, static_cast<TimeNs>(k)};
     f.has_truth = k % 2 == 1;
     if (f.has_truth) {
       fill(f.target_on_wall_m);
@@ -49,6 +58,7 @@ inline Recording small_recording(std::size_t frame_count) {
       }
     }
     r.frames.push_back(f);
+    r.positions.push_back({f.time_ns + 1, f.position_deg});
     r.spikes.push_back({f.tick + 3, static_cast<std::uint32_t>(k % 2)});
     r.spikes.push_back({f.tick + 3, 4});
     r.spikes.push_back({f.tick + 200, 2});
@@ -66,8 +76,10 @@ inline bool same_truth(const EyeTruth& a, const EyeTruth& b) {
 inline bool same_frame(const RecordedFrame& a, const RecordedFrame& b) {
   return a.tick == b.tick && a.time_ns == b.time_ns && a.captured_ns == b.captured_ns &&
          a.active_fields == b.active_fields && a.decoded_deg == b.decoded_deg && a.goal_deg == b.goal_deg &&
-         a.position_deg == b.position_deg && a.has_truth == b.has_truth && a.target_on_wall_m == b.target_on_wall_m &&
-         same_truth(a.eye[0], b.eye[0]) && same_truth(a.eye[1], b.eye[1]);
+         a.position_deg == b.position_deg && a.fresh_mask == b.fresh_mask && a.camera_age_ns == b.camera_age_ns &&
+         a.request == b.request && a.guard_state == b.guard_state && a.has_command == b.has_command &&
+         a.late_ns == b.late_ns && a.stage_ns == b.stage_ns && a.has_truth == b.has_truth &&
+         a.target_on_wall_m == b.target_on_wall_m && same_truth(a.eye[0], b.eye[0]) && same_truth(a.eye[1], b.eye[1]);
 }
 
 /// A file of this process that goes with its scope.

@@ -1,0 +1,29 @@
+// Runs a recording's input through its circuit again and compares every spike and command.
+//
+// The input is what RecordedFrame keeps: the active fields of each turn, and what the guard was told. The ticks of a
+// turn follow from the turns' own first ticks, so that a recording that a killed process left is replayed up to its
+// last whole frame.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "runtime/engine/spike_engine.h"
+#include "runtime/record/recording.h"
+
+namespace tectum {
+
+struct ReplayResult {
+  std::string error;  // one line when the recording cannot have come from the image; else empty
+  std::uint64_t frames = 0;
+  std::uint64_t spikes = 0;    // of the replay
+  std::uint64_t commands = 0;  // frames that sent one
+  bool is_same = false;
+  std::string difference;  // the first, one line
+};
+
+/// Not real-time safe.
+[[nodiscard]] ReplayResult replay(const SpikeImage& image, const Recording& recording,
+                                  const EngineOptions& options = {});
+
+}  // namespace tectum

@@ -119,7 +119,7 @@ std::string render_text(const Diagnostics& diagnostics, const Sources& sources) 
   for (const Diagnostic& d : diagnostics.all()) {
     text += fmt::format("{}: {}[{}]: {}\n", location(d.span, sources), severity_word(d.code), code_label(d.code),
                         d.message());
-    if (!sources.file(d.span.file).bytes.empty()) {
+    if (!sources.file(d.span.file).bytes.empty() && d.code != Code::NotText) {
       text += excerpt(d.span, sources);
     }
     for (const Label& label : d.labels) {

@@ -78,10 +78,11 @@ class Analysis {
     for (const Population& population : circuit_.populations) {
       for (std::uint32_t k = 0; k < population.instance_count; ++k) {
         const Sends& sends = sends_[index_of(population.first_instance) + k];
-        if (sends.excites && sends.inhibits) {
+        if (sends.excites && sends.inhibits && !population.may_mix_signs) {
           diagnostics_.add(Code::DaleViolated, population.name_span, {population.name})
               .label(network_.pathways[*sends.excites].name_span, "excites here")
-              .label(network_.pathways[*sends.inhibits].name_span, "inhibits here");
+              .label(network_.pathways[*sends.inhibits].name_span, "inhibits here")
+              .help("split it into two populations, or say why it is meant: \"mixed_signs\": \"stands for ...\"");
           break;
         }
       }

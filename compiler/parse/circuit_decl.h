@@ -1,8 +1,10 @@
 // What a circuit file says, as written: every name with its place and unresolved, every value still text.
-// Shape is settled (known keys, right JSON types); meaning is not.
+// Shape is settled (known keys, right JSON types); meaning is not. What had no right shape has been reported and is
+// poisoned: it stays in its place, so that the rest can be checked, and nothing is said of what follows from it.
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@ namespace tectum {
 struct NameDecl {
   std::string text;
   Span span;  // without the quotes
+  bool is_poisoned = false;
 };
 
 /// A number, or a string that holds an expression.
@@ -23,6 +26,7 @@ struct ValueDecl {
   Span span;                       // without the quotes
   bool has_exact_offsets = false;  // byte i of `text` is byte span.begin + i of the file
   std::uint32_t scope = 0;         // index into CircuitDecl::scopes: whose parameters the expression sees
+  bool is_poisoned = false;
 };
 
 /// A key whose meaning depends on the model or the rule: "tau_m": "20 ms", "times": ["1 ms", "2 ms"].
@@ -69,6 +73,7 @@ struct NeuronDecl {
   std::optional<NameDecl> model;
   std::vector<KeyedValue> parameters;
   std::vector<ReceptorDecl> receptors;
+  bool has_poisoned_receptors = false;  // not all of them could be read
   ProvenanceDecl provenance;
 };
 
@@ -91,6 +96,7 @@ struct PopulationDecl {
   std::optional<ValueDecl> size;
   std::vector<NameDecl> axes;
   std::optional<NameDecl> nucleus;
+  std::string mixed_signs;            // why it both excites and inhibits; empty when it is not meant to
   std::vector<KeyedValue> position;   // x and y
   std::vector<KeyedValue> overrides;  // parameters of the neuron type, for this population
   std::vector<ExceptionDecl> exceptions;
@@ -146,6 +152,7 @@ struct FoveatedDecl {
 struct RetinaDecl {
   NameDecl name;
   Span span;
+  bool is_poisoned = false;  // without its parts
   NameDecl eye;
   std::vector<ValueDecl> frame;
   Span frame_span;
@@ -195,6 +202,7 @@ struct ModuleDecl {
   std::vector<NeuronDecl> neurons;
   std::vector<PopulationDecl> populations;
   std::vector<ProjectionDecl> projections;
+  bool is_poisoned = false;  // may hold more than could be read
 };
 
 struct PortBinding {
@@ -207,6 +215,7 @@ struct InstanceDecl {
   NameDecl module;
   std::vector<KeyedValue> parameters;
   std::vector<PortBinding> ports;
+  bool has_poisoned_ports = false;
 };
 
 /// The parameters that one instance of a module sees. Scope 0 is the circuit itself and has none of its own.
@@ -232,7 +241,9 @@ struct CircuitDecl {
   std::vector<LesionDecl> lesions;
   std::vector<ModuleDecl> modules;
   std::vector<InstanceDecl> instances;
-  std::vector<ScopeDecl> scopes;  // filled by expand_modules
+  std::vector<ScopeDecl> scopes;             // filled by expand_modules
+  std::set<std::string> poisoned_sections;   // "populations", ...: may hold names that could not be read
+  std::set<std::string> poisoned_instances;  // the same of a module's instance
 };
 
 /// One line a declaration, for `dump`.

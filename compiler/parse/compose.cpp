@@ -82,15 +82,15 @@ class Composer {
   Composer(const SourceReader& read, Sources& sources, Diagnostics& diagnostics)
       : read_(read), sources_(sources), diagnostics_(diagnostics) {}
 
-  std::optional<Branch> compose(Branch own, FileId file) {
+  [[nodiscard]] bool is_whole() const { return is_whole_; }
+
+  Branch compose(Branch own, FileId file) {
     open_.push_back(sources_.file(file).name);
     const std::optional<Branch> extends = take_child(own, "extends");
     const std::optional<Branch> include = take_child(own, "include");
-    bool is_sound = true;
     if (include) {
       for (const Branch* name : names_in(*include, "include")) {
         auto included = load(*name);
-        is_sound = is_sound && included.has_value();
         if (included) {
           join(own, std::move(*included));
         }
@@ -99,7 +99,6 @@ class Composer {
     if (extends) {
       for (const Branch* name : names_in(*extends, "extends")) {
         auto base = load(*name);
-        is_sound = is_sound && base.has_value();
         if (base) {
           overlay(*base, std::move(own));
           own = std::move(*base);
@@ -107,7 +106,7 @@ class Composer {
       }
     }
     open_.pop_back();
-    return is_sound ? std::optional<Branch>(std::move(own)) : std::nullopt;
+    return own;
   }
 
  private:
@@ -123,6 +122,7 @@ class Composer {
     }
     const bool is_list = value.node.kind == JsonKind::Array && names.size() == value.children.size();
     if (value.node.kind != JsonKind::String && !(is_list && std::string(key) == "include")) {
+      is_whole_ = false;
       diagnostics_.add(Code::WrongType, value.node.span,
                        {"`" + std::string(key) + "`", std::string(kind_phrase(value.node.kind)), "a file name"});
     }
@@ -133,11 +133,13 @@ class Composer {
     const std::string path = resolve_path(sources_.file(name.node.span.file).name, name.node.text);
     const Span span = inner_span(name.node);
     if (std::find(open_.begin(), open_.end(), path) != open_.end()) {
+      is_whole_ = false;
       diagnostics_.add(Code::IncludeCycle, span, {name.node.text});
       return std::nullopt;
     }
     ReadSource source = sources_.size() < kMaxComposedFiles ? read_(path) : ReadSource{};
     if (!source.ok) {
+      is_whole_ = false;
       diagnostics_.add(Code::UnreadableFile, span,
                        {source.error.empty() ? "too many files are included" : source.error});
       return std::nullopt;
@@ -146,9 +148,11 @@ class Composer {
     const FileId file = sources_.add(std::move(source.file));
     const auto tree = parse_json(sources_, file, diagnostics_);
     if (!tree) {
+      is_whole_ = false;
       return std::nullopt;
     }
     if ((*tree)[tree->root()].kind != JsonKind::Object) {
+      is_whole_ = false;
       diagnostics_.add(Code::WrongType, (*tree)[tree->root()].span,
                        {"the circuit", std::string(kind_phrase((*tree)[tree->root()].kind)), "an object"});
       return std::nullopt;
@@ -167,6 +171,8 @@ class Composer {
           if (const Branch* clash = find_child(*same, member.node.key)) {
             diagnostics_.add(Code::NameClash, clash->node.key_span, {member.node.key})
                 .label(member.node.key_span, "included from here");
+            static_cast<void>(take_child(*same, member.node.key));  // nobody knows which of them is meant
+            is_whole_ = false;
           } else {
             same->children.push_back(std::move(member));
           }
@@ -179,6 +185,7 @@ class Composer {
   Sources& sources_;
   Diagnostics& diagnostics_;
   std::vector<std::string> open_;  // files on the way from the circuit to here
+  bool is_whole_ = true;           // every file could be read
 };
 
 }  // namespace
@@ -191,21 +198,18 @@ std::string resolve_path(const std::string& from, const std::string& path) {
   return (std::filesystem::path(from).parent_path() / given).lexically_normal().string();
 }
 
-std::optional<JsonTree> compose(JsonTree tree, FileId file, const SourceReader& read, Sources& sources,
-                                Diagnostics& diagnostics) {
+JsonTree compose(JsonTree tree, FileId file, const SourceReader& read, Sources& sources, Diagnostics& diagnostics) {
   const bool is_alone =
       tree[tree.root()].kind != JsonKind::Object ||
       (tree.find(tree.root(), "include") == JsonId::None && tree.find(tree.root(), "extends") == JsonId::None);
   if (is_alone) {
     return tree;
   }
-  const std::size_t errors_before = diagnostics.error_count();
-  const auto composed = Composer(read, sources, diagnostics).compose(grow(tree, tree.root()), file);
-  if (!composed || diagnostics.error_count() > errors_before) {
-    return std::nullopt;
-  }
+  Composer composer(read, sources, diagnostics);
+  const Branch composed = composer.compose(grow(tree, tree.root()), file);
   JsonTree whole;
-  static_cast<void>(lay_down(*composed, whole));
+  whole.is_whole = composer.is_whole();
+  static_cast<void>(lay_down(composed, whole));
   return whole;
 }
 

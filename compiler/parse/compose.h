@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "compiler/diagnostics/diagnostic.h"
@@ -18,9 +17,10 @@ inline constexpr std::size_t kMaxComposedFiles = 64;
 ///   include  the other file's declarations join this file's; one name in both is an error
 ///   extends  the other file is a whole circuit; this file's members replace its members of the same name, object by
 ///            object, and null removes one
-/// Adds every file read to `sources`. Needs: the tree of `file`. Nodes keep the spans of the file they come from.
-[[nodiscard]] std::optional<JsonTree> compose(JsonTree tree, FileId file, const SourceReader& read, Sources& sources,
-                                              Diagnostics& diagnostics);
+/// A file that cannot be read is reported, and the tree is then not whole. Adds every file read to `sources`. Needs:
+/// the tree of `file`. Nodes keep the spans of the file they come from.
+[[nodiscard]] JsonTree compose(JsonTree tree, FileId file, const SourceReader& read, Sources& sources,
+                               Diagnostics& diagnostics);
 
 /// `path` seen from the directory of the file called `from`.
 [[nodiscard]] std::string resolve_path(const std::string& from, const std::string& path);

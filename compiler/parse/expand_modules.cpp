@@ -88,6 +88,9 @@ class Expansion {
       }
     }
     for (const NameDecl& port : module_.ports) {
+      if (port.is_poisoned || instance_.has_poisoned_ports) {
+        continue;
+      }
       if (find_binding(port.text) == nullptr) {
         diagnostics_.add(Code::UnboundPort, instance_.name.span, {instance_.name.text, port.text})
             .label(port.span, "the port")
@@ -165,6 +168,7 @@ class Expansion {
   /// "EBN.left" of a local population, "drive.left" of a port, or a name of the circuit.
   std::vector<NameDecl> endpoints(const std::vector<NameDecl>& names) const {
     std::vector<NameDecl> result;
+    const std::vector<std::string> ports = texts(module_.ports);
     for (const NameDecl& name : names) {
       const std::size_t dot = std::min(name.text.find('.'), name.text.size());
       const std::string base = name.text.substr(0, dot);
@@ -173,8 +177,10 @@ class Expansion {
         localise(result.back());
       } else if (const PortBinding* binding = find_binding(base)) {
         for (const NameDecl& bound : binding->populations) {
-          result.push_back({bound.text + name.text.substr(dot), bound.span});
+          result.push_back({bound.text + name.text.substr(dot), bound.span, bound.is_poisoned});
         }
+      } else if (std::find(ports.begin(), ports.end(), base) != ports.end()) {
+        result.push_back({name.text, name.span, true});  // the port is bound to nothing, which has been reported
       } else {
         result.push_back(name);
       }
@@ -198,6 +204,12 @@ void expand_modules(CircuitDecl& decl, Diagnostics& diagnostics) {
   for (const InstanceDecl& instance : decl.instances) {
     const auto module = std::find_if(decl.modules.begin(), decl.modules.end(),
                                      [&](const ModuleDecl& m) { return m.name.text == instance.module.text; });
+    if (instance.module.is_poisoned || module == decl.modules.end() || module->is_poisoned) {
+      decl.poisoned_instances.insert(instance.name.text);
+    }
+    if (instance.module.is_poisoned || (module == decl.modules.end() && decl.poisoned_sections.count("modules") != 0)) {
+      continue;
+    }
     if (module == decl.modules.end()) {
       diagnostics.add(Code::UnknownModule, instance.module.span, {instance.module.text})
           .help_if(nearest_name(instance.module.text, declared_names(decl.modules)), "did you mean `{}`?");

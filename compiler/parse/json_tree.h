@@ -31,6 +31,7 @@ struct JsonNode {
 /// Nodes in the order of the text, the root first. Children hang on a list.
 struct JsonTree {
   std::vector<JsonNode> nodes;
+  bool is_whole = true;  // false when a file that belongs to it could not be read
 
   [[nodiscard]] const JsonNode& operator[](JsonId id) const { return nodes[static_cast<std::size_t>(id)]; }
   [[nodiscard]] JsonNode& operator[](JsonId id) { return nodes[static_cast<std::size_t>(id)]; }

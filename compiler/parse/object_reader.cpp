@@ -51,38 +51,39 @@ void ObjectReader::report_missing(std::string_view key) {
   }
 }
 
-std::optional<NameDecl> ObjectReader::name_of(JsonId id, std::string_view key) {
+NameDecl ObjectReader::name_of(JsonId id, std::string_view key) {
   const JsonNode& node = tree_[id];
   if (node.kind != JsonKind::String) {
     report_type(id, key, "a string");
-    return std::nullopt;
+    return {"", node.span, true};
   }
-  return NameDecl{node.text, inner_span(node)};
+  return {node.text, inner_span(node)};
 }
 
-std::optional<ValueDecl> ObjectReader::value_of(JsonId id, std::string_view key) {
+ValueDecl ObjectReader::value_of(JsonId id, std::string_view key) {
   const JsonNode& node = tree_[id];
+  ValueDecl value;
+  value.span = inner_span(node);
   if (node.kind != JsonKind::String && node.kind != JsonKind::Number) {
     report_type(id, key, "a number or a string");
-    return std::nullopt;
+    value.is_poisoned = true;
+    return value;
   }
-  ValueDecl value;
   value.is_number = node.kind == JsonKind::Number;
   value.number = node.number;
   value.text = node.text;
-  value.span = inner_span(node);
   value.has_exact_offsets = !node.has_escapes;
   return value;
 }
 
 std::optional<NameDecl> ObjectReader::name(std::string_view key) {
   const JsonId id = child(key);
-  return id == JsonId::None ? std::nullopt : name_of(id, key);
+  return id == JsonId::None ? std::nullopt : std::optional(name_of(id, key));
 }
 
 std::optional<ValueDecl> ObjectReader::value(std::string_view key) {
   const JsonId id = child(key);
-  return id == JsonId::None ? std::nullopt : value_of(id, key);
+  return id == JsonId::None ? std::nullopt : std::optional(value_of(id, key));
 }
 
 std::vector<NameDecl> ObjectReader::names(std::string_view key) {
@@ -91,21 +92,19 @@ std::vector<NameDecl> ObjectReader::names(std::string_view key) {
   if (id == JsonId::None) {
     return result;
   }
+  if (tree_[id].kind == JsonKind::String) {
+    return {name_of(id, key)};
+  }
   if (tree_[id].kind != JsonKind::Array) {
-    if (tree_[id].kind != JsonKind::String) {
-      report_type(id, key, "a string or a list of strings");
-    } else {
-      result.push_back(*name_of(id, key));
-    }
-    return result;
+    report_type(id, key, "a string or a list of strings");
+    return {{"", tree_[id].span, true}};
   }
   if (tree_[id].child_count == 0) {
     diagnostics_.add(Code::EmptyList, tree_[id].span, {fmt::format("`{}`", key)});
+    return {{"", tree_[id].span, true}};
   }
   for (JsonId item = tree_[id].first_child; item != JsonId::None; item = tree_[item].next_sibling) {
-    if (auto decl = name_of(item, key)) {
-      result.push_back(std::move(*decl));
-    }
+    result.push_back(name_of(item, key));
   }
   return result;
 }
@@ -116,22 +115,20 @@ std::vector<ValueDecl> ObjectReader::values(std::string_view key, std::size_t co
   if (id == JsonId::None) {
     return result;
   }
+  ValueDecl poisoned;
+  poisoned.span = tree_[id].span;
+  poisoned.is_poisoned = true;
   if (tree_[id].kind != JsonKind::Array) {
     report_type(id, key, count == 0 ? "a list" : fmt::format("a list of {}", count));
-    return result;
+    return std::vector<ValueDecl>(count, poisoned);
   }
   if (count != 0 && tree_[id].child_count != count) {
     diagnostics_.add(Code::WrongCount, tree_[id].span,
                      {fmt::format("`{}`", key), fmt::format("{}", tree_[id].child_count), fmt::format("{}", count)});
-    return result;
+    return std::vector<ValueDecl>(count, poisoned);
   }
   for (JsonId item = tree_[id].first_child; item != JsonId::None; item = tree_[item].next_sibling) {
-    if (auto decl = value_of(item, key)) {
-      result.push_back(std::move(*decl));
-    }
-  }
-  if (count != 0 && result.size() != count) {
-    result.clear();
+    result.push_back(value_of(item, key));
   }
   return result;
 }
@@ -145,24 +142,29 @@ ProvenanceDecl ObjectReader::provenance() { return {names("cite"), text("about")
 
 NameDecl ObjectReader::required_name(std::string_view key) {
   auto decl = name(key);
-  if (!has(key)) {
+  if (!decl) {
     report_missing(key);
   }
-  return decl.value_or(NameDecl{});
+  return decl.value_or(NameDecl{"", span(), true});
 }
 
 ValueDecl ObjectReader::required_value(std::string_view key) {
   auto decl = value(key);
-  if (!has(key)) {
-    report_missing(key);
+  if (decl) {
+    return *decl;
   }
-  return decl.value_or(ValueDecl{});
+  report_missing(key);
+  ValueDecl missing;
+  missing.span = span();
+  missing.is_poisoned = true;
+  return missing;
 }
 
 std::vector<NameDecl> ObjectReader::required_names(std::string_view key) {
   auto decl = names(key);
-  if (!has(key)) {
+  if (decl.empty()) {
     report_missing(key);
+    decl.push_back({"", span(), true});
   }
   return decl;
 }
@@ -177,27 +179,34 @@ std::vector<KeyedValue> ObjectReader::rest() {
     if (std::find(known_.begin(), known_.end(), node.key) != known_.end()) {
       continue;
     }
-    known_.push_back(node.key);
+    rest_.push_back(node.key);
     KeyedValue keyed;
     keyed.key = {node.key, key_inner_span(node)};
     keyed.span = inner_span(node);
     keyed.is_list = node.kind == JsonKind::Array;
     if (keyed.is_list) {
       for (JsonId item = node.first_child; item != JsonId::None; item = tree_[item].next_sibling) {
-        if (auto decl = value_of(item, node.key)) {
-          keyed.values.push_back(std::move(*decl));
-        }
+        keyed.values.push_back(value_of(item, node.key));
       }
     } else if (node.kind == JsonKind::Boolean) {
       keyed.values.push_back({false, 0, node.boolean ? "true" : "false", node.span, true});
-    } else if (auto decl = value_of(id, node.key)) {
-      keyed.values.push_back(std::move(*decl));
     } else {
-      continue;
+      keyed.values.push_back(value_of(id, node.key));
     }
     result.push_back(std::move(keyed));
   }
   return result;
+}
+
+JsonId ObjectReader::misspelt(std::string_view key) const {
+  const std::vector<std::string> meant = {std::string(key)};
+  for (JsonId id = tree_[object_].first_child; id != JsonId::None; id = tree_[id].next_sibling) {
+    const std::string& written = tree_[id].key;
+    if (std::find(known_.begin(), known_.end(), written) == known_.end() && nearest_name(written, meant)) {
+      return id;
+    }
+  }
+  return JsonId::None;
 }
 
 void ObjectReader::finish() {
@@ -206,12 +215,21 @@ void ObjectReader::finish() {
   }
   for (JsonId id = tree_[object_].first_child; id != JsonId::None; id = tree_[id].next_sibling) {
     const JsonNode& node = tree_[id];
-    if (std::find(known_.begin(), known_.end(), node.key) == known_.end()) {
+    const bool is_known = std::find(known_.begin(), known_.end(), node.key) != known_.end();
+    if (!is_known && std::find(rest_.begin(), rest_.end(), node.key) == rest_.end()) {
       diagnostics_.add(Code::UnknownKey, key_inner_span(node), {node.key, what_})
           .help_if(nearest_name(node.key, known_), "did you mean `{}`?");
     }
   }
   for (const std::string& key : missing_) {
+    if (const JsonId id = misspelt(key); id != JsonId::None) {
+      // A key that rest() took may be right elsewhere; here it stands in the place of one that is needed.
+      if (std::find(rest_.begin(), rest_.end(), tree_[id].key) != rest_.end()) {
+        diagnostics_.add(Code::UnknownKey, key_inner_span(tree_[id]), {tree_[id].key, what_})
+            .help(fmt::format("did you mean `{}`?", key));
+      }
+      continue;
+    }
     const Span span = tree_[object_].key_span.end > 0
                           ? key_inner_span(tree_[object_])
                           : Span{tree_[object_].span.file, tree_[object_].span.begin, tree_[object_].span.begin + 1};

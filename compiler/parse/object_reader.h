@@ -14,7 +14,7 @@
 namespace tectum {
 
 /// Every read marks its key as known; finish() reports the keys that nothing read.
-/// Absent keys are empty results; wrong JSON types are reported and then count as absent.
+/// Absent keys are empty results. Wrong JSON types, and required keys that are absent, are reported and poisoned.
 class ObjectReader {
  public:
   /// `what` names the object in messages: "population `EBN`".
@@ -46,11 +46,14 @@ class ObjectReader {
   void finish();
 
   [[nodiscard]] const std::string& what() const { return what_; }
+  [[nodiscard]] JsonId id() const { return object_; }
   [[nodiscard]] Span span() const { return tree_[object_].span; }
 
  private:
-  std::optional<NameDecl> name_of(JsonId id, std::string_view key);
-  std::optional<ValueDecl> value_of(JsonId id, std::string_view key);
+  NameDecl name_of(JsonId id, std::string_view key);
+  ValueDecl value_of(JsonId id, std::string_view key);
+  /// The member that was probably meant to be `key`, None when there is none.
+  [[nodiscard]] JsonId misspelt(std::string_view key) const;
   void report_type(JsonId id, std::string_view key, std::string_view expected);
 
   const JsonTree& tree_;
@@ -58,7 +61,8 @@ class ObjectReader {
   std::string what_;
   Diagnostics& diagnostics_;
   bool is_object_ = false;
-  std::vector<std::string> known_;
+  std::vector<std::string> known_;  // keys that were asked for by name
+  std::vector<std::string> rest_;   // keys that rest() gave away
   std::vector<std::string> missing_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <string>
 #include <utility>
 
@@ -16,7 +17,9 @@ namespace {
 void check_language_version(const SectionContext& context, ObjectReader& reader) {
   const JsonId id = reader.child("tectum");
   if (id == JsonId::None) {
-    reader.report_missing("tectum");
+    if (context.tree.is_whole) {
+      reader.report_missing("tectum");
+    }
     return;
   }
   const JsonNode& node = context.tree[id];
@@ -29,10 +32,31 @@ void check_language_version(const SectionContext& context, ObjectReader& reader)
   }
 }
 
+/// Sections that are no objects, or whose names may stand under a key or in a file that could not be read.
+std::set<std::string> poisoned_sections(const JsonTree& tree) {
+  std::set<std::string> poisoned;
+  bool has_strange_section = !tree.is_whole;
+  for (JsonId id = tree[tree.root()].first_child; id != JsonId::None; id = tree[id].next_sibling) {
+    const JsonNode& node = tree[id];
+    if (is_section(node.key) && node.kind != JsonKind::Object) {
+      poisoned.insert(node.key);
+    }
+    has_strange_section = has_strange_section || (!is_section(node.key) && node.kind == JsonKind::Object);
+  }
+  for (const char* key : {"references", "parameters", "axes", "neurons", "populations", "projections", "inputs",
+                          "outputs", "joints", "lesions", "modules", "instances"}) {
+    const bool is_read =
+        tree.find(tree.root(), key) != JsonId::None || find_misspelt_section(tree, tree.root(), key) != JsonId::None;
+    if (!tree.is_whole || (has_strange_section && !is_read)) {
+      poisoned.insert(key);
+    }
+  }
+  return poisoned;
+}
+
 }  // namespace
 
 std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& sources, Diagnostics& diagnostics) {
-  const std::size_t errors_before = diagnostics.error_count();
   const SectionContext context{tree, sources, diagnostics};
   ObjectReader reader(tree, tree.root(), "the circuit", diagnostics);
   if (!reader.is_object()) {
@@ -42,7 +66,8 @@ std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& so
   decl.span = reader.span();
   static_cast<void>(reader.name("$schema"));
   check_language_version(context, reader);
-  decl.name = reader.required_name("name");
+  // What a file that cannot be read would have said, nobody misses.
+  decl.name = tree.is_whole ? reader.required_name("name") : reader.name("name").value_or(NameDecl{});
   static_cast<void>(reader.text("about"));
   decl.tick = reader.value("tick");
   decl.seed = reader.value("seed");
@@ -59,13 +84,8 @@ std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& so
   decl.modules = parse_section(context, reader, "modules", parse_module);
   decl.instances = parse_section(context, reader, "instances", parse_instance);
   reader.finish();
-  if (diagnostics.error_count() > errors_before) {
-    return std::nullopt;
-  }
+  decl.poisoned_sections = poisoned_sections(tree);
   expand_modules(decl, diagnostics);
-  if (diagnostics.error_count() > errors_before) {
-    return std::nullopt;
-  }
   return decl;
 }
 

@@ -9,7 +9,8 @@
 namespace tectum {
 
 /// Checks the shape of a circuit: known keys, right JSON types, nothing missing. Reports every problem it
-/// finds and then returns nothing. Modules come out expanded. `sources` says in which directory each file lies.
+/// finds and poisons what it concerns; returns nothing only when the text is no object. Modules come out expanded.
+/// `sources` says in which directory each file lies.
 [[nodiscard]] std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& sources,
                                                        Diagnostics& diagnostics);
 

@@ -27,8 +27,11 @@ std::vector<RingDecl> parse_rings(const SectionContext& context, JsonId id) {
     ring.block = reader.values("block", 2);
     if (reader.has("fields_per_side") && reader.has("block")) {
       context.diagnostics.add(Code::KeysExclude, ring.span, {"fields_per_side", "block"});
+      ring.outer.is_poisoned = true;
     } else if (!reader.has("fields_per_side") && !reader.has("block")) {
       reader.report_missing("fields_per_side");
+      ring.fields_per_side = ValueDecl{};
+      ring.fields_per_side->is_poisoned = true;
     }
     reader.finish();
     rings.push_back(std::move(ring));
@@ -57,6 +60,9 @@ RetinaDecl parse_input(const SectionContext& context, const Member& member) {
   ObjectReader outer(context.tree, member.id, described("input", member.name), context.diagnostics);
   const JsonId id = outer.child("retina");
   if (id == JsonId::None) {
+    decl.is_poisoned = true;
+    decl.eye.is_poisoned = true;
+    decl.field_of_view.is_poisoned = true;
     outer.report_missing("retina");
     outer.finish();
     return decl;
@@ -83,6 +89,7 @@ RetinaDecl parse_input(const SectionContext& context, const Member& member) {
   } else if (!reader.has("rings") && !reader.has("foveated")) {
     reader.report_missing("rings");
   }
+  decl.is_poisoned = decl.frame.empty() || (decl.rings.empty() && !decl.foveated);
   if (const JsonId lit = reader.child("lit"); lit != JsonId::None) {
     ObjectReader lit_reader(context.tree, lit, "`lit`", context.diagnostics);
     decl.lit_channel = lit_reader.required_name("channel");

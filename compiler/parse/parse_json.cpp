@@ -161,14 +161,34 @@ class TreeBuilder {
     for (JsonId id = tree[object].first_child; id != JsonId::None; id = tree[id].next_sibling) {
       members.push_back(id);
     }
+    const std::vector<JsonId> in_order = members;
     std::stable_sort(members.begin(), members.end(), [&](JsonId a, JsonId b) { return tree[a].key < tree[b].key; });
+    std::vector<JsonId> dropped;
     for (std::size_t i = 1; i < members.size(); ++i) {
       const JsonNode& first = tree[members[i - 1]];
       const JsonNode& second = tree[members[i]];
       if (first.key == second.key) {
         diagnostics_.add(Code::DuplicateKey, second.key_span, {second.key}).label(first.key_span, "first here");
+        dropped.push_back(members[i]);
+        members[i] = members[i - 1];  // a third one is compared with the first, too
       }
     }
+    if (!dropped.empty()) {
+      keep_others(object, in_order, dropped);
+    }
+  }
+
+  /// The first of two members of one name counts.
+  void keep_others(JsonId object, const std::vector<JsonId>& members, const std::vector<JsonId>& dropped) {
+    tree[object].child_count -= static_cast<std::uint32_t>(dropped.size());
+    JsonId last = JsonId::None;
+    for (const JsonId id : members) {
+      if (std::find(dropped.begin(), dropped.end(), id) == dropped.end()) {
+        (last == JsonId::None ? tree[object].first_child : tree[last].next_sibling) = id;
+        last = id;
+      }
+    }
+    tree[last].next_sibling = JsonId::None;
   }
 
   std::string_view text_;
@@ -207,14 +227,13 @@ bool is_text(FileId file, std::string_view text, Diagnostics& diagnostics) {
 
 std::optional<JsonTree> parse_json(const Sources& sources, FileId file, Diagnostics& diagnostics) {
   const std::string_view text = sources.file(file).bytes;
-  const std::size_t errors_before = diagnostics.error_count();
   if (!is_text(file, text, diagnostics)) {
     return std::nullopt;
   }
   TreeBuilder builder(file, text, diagnostics);
   const bool ok =
       nlohmann::json::sax_parse(text.begin(), text.end(), &builder, nlohmann::json::input_format_t::json, true, true);
-  if (!ok || diagnostics.error_count() > errors_before) {
+  if (!ok) {
     return std::nullopt;
   }
   return std::move(builder.tree);

@@ -35,6 +35,11 @@ ModuleDecl parse_module(const SectionContext& context, const Member& member) {
   ModuleDecl decl;
   decl.name = member.name;
   decl.ports = reader.names("ports");
+  decl.is_poisoned = !reader.is_object();
+  for (const char* section : {"parameters", "neurons", "populations", "projections"}) {
+    const JsonId id = reader.is_object() ? context.tree.find(member.id, section) : JsonId::None;
+    decl.is_poisoned = decl.is_poisoned || (id != JsonId::None && context.tree[id].kind != JsonKind::Object);
+  }
   decl.parameters = parse_section(context, reader, "parameters", parse_parameter);
   decl.neurons = parse_section(context, reader, "neurons", parse_neuron);
   decl.populations = parse_section(context, reader, "populations", parse_population);
@@ -54,6 +59,9 @@ InstanceDecl parse_instance(const SectionContext& context, const Member& member)
     decl.parameters = parameters.rest();
   }
   decl.ports = parse_ports(context, reader);
+  if (const JsonId id = reader.child("ports"); id != JsonId::None) {
+    decl.has_poisoned_ports = context.tree[id].kind != JsonKind::Object;
+  }
   static_cast<void>(reader.provenance());
   reader.finish();
   return decl;

@@ -53,10 +53,9 @@ std::vector<InputUseDecl> parse_input_use(const SectionContext& context, ObjectR
     if (member.kind != JsonKind::String) {
       context.diagnostics.add(Code::WrongType, member.span,
                               {fmt::format("`{}`", member.key), std::string(kind_phrase(member.kind)), "a string"});
-      continue;
     }
     uses.push_back({{member.key, {member.key_span.file, member.key_span.begin + 1, member.key_span.end - 1}},
-                    {member.text, inner_span(member)}});
+                    {member.text, inner_span(member), member.kind != JsonKind::String}});
   }
   return uses;
 }
@@ -112,9 +111,8 @@ AxisDecl parse_axis(const SectionContext& context, const Member& member) {
     const JsonNode& side = context.tree[child];
     if (side.kind != JsonKind::String) {
       context.diagnostics.add(Code::WrongType, side.span, {"a side", std::string(kind_phrase(side.kind)), "a string"});
-      continue;
     }
-    decl.sides.push_back({side.text, inner_span(side)});
+    decl.sides.push_back({side.text, inner_span(side), side.kind != JsonKind::String});
   }
   return decl;
 }
@@ -130,6 +128,7 @@ NeuronDecl parse_neuron(const SectionContext& context, const Member& member) {
   }
   if (const JsonId id = reader.child("receptors"); id != JsonId::None) {
     decl.receptors = parse_receptors(context, id);
+    decl.has_poisoned_receptors = context.tree[id].kind != JsonKind::Object;
   }
   decl.provenance = reader.provenance();
   decl.parameters = reader.rest();
@@ -146,6 +145,7 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
   decl.size = reader.value("size");
   decl.axes = reader.names("axis");
   decl.nucleus = reader.name("nucleus");
+  decl.mixed_signs = reader.text("mixed_signs");
   if (const JsonId id = reader.child("position"); id != JsonId::None) {
     ObjectReader position(context.tree, id, "`position`", context.diagnostics);
     for (KeyedValue& keyed : position.rest()) {
@@ -158,6 +158,10 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
     for (const char* key : {"x", "y"}) {
       if (!position.has(key)) {
         position.report_missing(key);
+        KeyedValue& missing = decl.position.emplace_back();
+        missing.key.text = key;
+        missing.span = position.span();
+        missing.values.emplace_back().is_poisoned = true;
       }
     }
     position.finish();

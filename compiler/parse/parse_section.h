@@ -15,12 +15,21 @@ namespace tectum {
 /// Names are what expressions, side suffixes ("EBN.left") and patterns ("EBN*") can speak of.
 [[nodiscard]] bool is_identifier(std::string_view text);
 
+/// The section that was probably meant by `key`, so that what it holds counts; its name is reported elsewhere.
+[[nodiscard]] JsonId find_misspelt_section(const JsonTree& tree, JsonId object, std::string_view key);
+
+/// Is this the name of a section of a circuit?
+[[nodiscard]] bool is_section(std::string_view key);
+
 /// `parse` for each member, in the order of the text.
 template <typename Decl>
 std::vector<Decl> parse_section(const SectionContext& context, ObjectReader& circuit, std::string_view key,
                                 Decl (*parse)(const SectionContext&, const Member&)) {
   std::vector<Decl> decls;
-  const JsonId id = circuit.child(key);
+  JsonId id = circuit.child(key);
+  if (id == JsonId::None) {
+    id = find_misspelt_section(context.tree, circuit.id(), key);
+  }
   if (id == JsonId::None) {
     return decls;
   }

@@ -15,6 +15,7 @@ RuleDecl parse_rule(const SectionContext& context, ObjectReader& projection) {
   const JsonId id = projection.child("rule");
   if (id == JsonId::None) {
     projection.report_missing("rule");
+    rule.kind.is_poisoned = true;
     return rule;
   }
   const JsonNode& node = context.tree[id];
@@ -26,6 +27,10 @@ RuleDecl parse_rule(const SectionContext& context, ObjectReader& projection) {
   rule.kind = reader.required_name("kind");
   if (rule.kind.text == "edges") {
     rule.file = reader.required_name("file");
+    if (rule.file->is_poisoned) {
+      rule.kind.is_poisoned = true;
+      return rule;
+    }
     rule.path = resolve_path(context.sources.file(rule.file->span.file).name, rule.file->text);
     if (const JsonId columns = reader.child("columns"); columns != JsonId::None) {
       ObjectReader column_reader(context.tree, columns, "`columns`", context.diagnostics);
@@ -51,6 +56,9 @@ std::vector<SideDecl> parse_side(const SectionContext& context, ObjectReader& pr
   }
   ObjectReader reader(context.tree, id, "`side`", context.diagnostics);
   for (KeyedValue& entry : reader.rest()) {
+    if (entry.values.size() == 1 && entry.values.front().is_poisoned) {
+      continue;
+    }
     if (entry.values.size() == 1 && !entry.values.front().is_number) {
       sides.push_back({entry.key, {entry.values.front().text, entry.values.front().span}});
     } else {

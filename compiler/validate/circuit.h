@@ -46,7 +46,8 @@ struct Population {
   std::string nucleus;  // empty when none is given
   ModelKind model = ModelKind::LifExp;
   bool may_sleep = false;
-  std::uint32_t size = 0;  // of each side
+  bool may_mix_signs = false;  // the circuit says why it both excites and inhibits
+  std::uint32_t size = 0;      // of each side
   std::vector<AxisId> axes;
   std::vector<Receptor> receptors;
   std::optional<Dimension> position_dimension;  // of its neurons' x and y, where they have a place

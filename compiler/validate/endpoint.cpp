@@ -8,6 +8,10 @@
 namespace tectum {
 
 std::optional<Endpoint> Validation::endpoint(const NameDecl& name) {
+  if (name.is_poisoned) {
+    scope.keep_silent();
+    return std::nullopt;
+  }
   // Populations of module instances have dots in their names: the longest name that is declared counts.
   std::size_t dot = name.text.find('.');
   for (std::size_t at = dot; at != std::string::npos; at = name.text.find('.', at + 1)) {
@@ -20,6 +24,12 @@ std::optional<Endpoint> Validation::endpoint(const NameDecl& name) {
   const bool is_as_written = name.text.size() == name.span.end - name.span.begin;
   const auto found = population_of.find(base);
   if (found == population_of.end()) {
+    const bool is_of_poisoned_instance =
+        decl.poisoned_instances.count(name.text.substr(0, name.text.find('.'))) != 0 || !knows_all("instances");
+    if ((dot != std::string::npos && is_of_poisoned_instance) || !can_report(name, "populations")) {
+      scope.keep_silent();
+      return std::nullopt;
+    }
     const Span span{
         name.span.file, name.span.begin,
         dot == std::string::npos || !is_as_written ? name.span.end : name.span.begin + static_cast<std::uint32_t>(dot)};
@@ -45,6 +55,10 @@ std::optional<Endpoint> Validation::endpoint(const NameDecl& name) {
         endpoint.fixed_sides[a] = static_cast<std::uint32_t>(position - axis.sides.begin());
         is_known = true;
       }
+    }
+    if (!is_known && !knows_sides[found->second]) {
+      scope.keep_silent();
+      return std::nullopt;
     }
     if (!is_known) {
       const auto begin = name.span.begin + static_cast<std::uint32_t>(at) + 1;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "compiler/validate/slot_use.h"
 
@@ -43,26 +44,27 @@ class ParameterEvaluator {
     }
   }
 
-  /// Neurons of the population lie at (x, y), both angles, both lengths or both plain numbers.
-  void position(const std::vector<KeyedValue>& position) {
+  /// Neurons of the population lie at (x, y), both angles, both lengths or both plain numbers. False when that is
+  /// wrong, which has then been reported.
+  bool position(const std::vector<KeyedValue>& position) {
     if (position.empty()) {
-      return;
+      return true;
     }
     std::optional<Dimension> dimension;
     for (const KeyedValue& keyed : position) {
       const auto typed = typed_values(keyed);
       if (typed.empty()) {
-        return;
+        return false;
       }
       const Dimension found = typed.front().dimension;
       if (found != kAngle && found != kLength && found != kNumber) {
         v_.diagnostics().add(Code::WrongDimension, keyed.span,
                              {keyed.key.text, "an angle, a length or a number", describe(found)});
-        return;
+        return false;
       }
       if (dimension && found != *dimension) {
         v_.scope.report_dimension(keyed.values.front(), keyed.key.text, *dimension, found);
-        return;
+        return false;
       }
       dimension = found;
       for_each_side({}, [&](Instance& instance) {
@@ -71,6 +73,7 @@ class ParameterEvaluator {
     }
     population_.position_dimension = dimension;
     add_geometry_names(*dimension);
+    return true;
   }
 
   /// Fills parameter `info` of every side, or of those called `side`.
@@ -223,12 +226,12 @@ class ParameterEvaluator {
         report_range(keyed, info, value);
         return false;
       }
-      if (info.name == "t_ref" && !whole_ticks(value, v_.circuit.tick_ns)) {
+      if (info.name == "t_ref" && v_.scope.knows_tick && !whole_ticks(value, v_.circuit.tick_ns)) {
         v_.diagnostics().add(Code::TimeNotTicks, keyed.span,
                              {"t_ref", shown(value, kTime), shown(v_.circuit.tick_ms(), kTime)});
         return false;
       }
-      if (info.name == "rate" && value * v_.circuit.tick_ms() > 1000 * (1 + 1e-9)) {
+      if (info.name == "rate" && v_.scope.knows_tick && value * v_.circuit.tick_ms() > 1000 * (1 + 1e-9)) {
         v_.diagnostics().add(Code::OutOfRange, keyed.span,
                              {"rate", fmt::format("{:g} Hz", value),
                               fmt::format("at most one spike a tick, {:g} Hz", 1000 / v_.circuit.tick_ms())});
@@ -344,15 +347,22 @@ void check_parameters(Validation& v, Population& population, const ModelInfo& mo
   }
 }
 
-void apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
+bool apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
                       const NameDecl& owner) {
-  const std::size_t errors_before = v.diagnostics().error_count();
+  const std::size_t trouble_before = v.scope.trouble_count();
+  const std::set<std::string> broken = v.scope.broken;
   ParameterEvaluator evaluator(v, population, model);
-  evaluator.position(sources.position);
+  const bool knows_places = evaluator.position(sources.position);
+  if (!knows_places) {
+    v.scope.broken.insert({"x", "y"});
+  }
   for (const KeyedValue& keyed : sources.parameters) {
     apply_one(v, population, model, keyed, "", evaluator);
   }
   for (const ExceptionDecl& exception : sources.exceptions) {
+    if (!v.knows_sides.back()) {
+      continue;
+    }
     if (!has_side(v, population, exception.side.text)) {
       v.diagnostics().add(Code::UnknownSide, exception.side.span, {population.name, exception.side.text});
       continue;
@@ -369,9 +379,11 @@ void apply_parameters(Validation& v, Population& population, const ModelInfo& mo
                           {fmt::format("`{}`, a {},", owner.text, model.name), std::string(info.name)});
     }
   }
-  if (v.diagnostics().error_count() == errors_before) {
+  if (v.scope.trouble_count() == trouble_before) {
     check_reset(v, population, model, sources.parameters, owner.span);
   }
+  v.scope.broken = broken;
+  return knows_places;
 }
 
 }  // namespace tectum

@@ -14,9 +14,10 @@ struct ParameterSources {
 };
 
 /// Evaluates the parameters of every side of a population, neuron by neuron where they vary, and its positions.
-/// Needs: the population's model, size, axes and instances, and its retinas' positions.
-void apply_parameters(Validation& v, Population& population, const ModelInfo& model, const ParameterSources& sources,
-                      const NameDecl& owner);
+/// Needs: the population's model, size, axes and instances, and its retinas' positions. False when it is not known
+/// where the neurons lie, because of a mistake that has been reported.
+[[nodiscard]] bool apply_parameters(Validation& v, Population& population, const ModelInfo& model,
+                                    const ParameterSources& sources, const NameDecl& owner);
 
 /// Checks names, dimensions and ranges of the values alone: a type may leave open what a population gives.
 void check_parameters(Validation& v, Population& population, const ModelInfo& model,

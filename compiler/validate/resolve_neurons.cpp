@@ -46,12 +46,15 @@ class NeuronOrder {
       neuron.model_name = *decl.model;
       neuron.model = find_model(decl.model->text);
       if (neuron.model == nullptr || neuron.model->kind == ModelKind::FieldSource) {
-        report_model(*decl.model);
+        if (!decl.model->is_poisoned) {
+          report_model(*decl.model);
+        }
         is_sound = false;
       }
     }
     merge(neuron.parameters, decl.parameters);
     merge_receptors(neuron.receptors, decl.receptors);
+    neuron.has_poisoned_receptors = neuron.has_poisoned_receptors || decl.has_poisoned_receptors;
     progress_[i] = Progress::Done;
     if (is_sound && neuron.model != nullptr) {
       resolved_[i] = std::move(neuron);
@@ -70,9 +73,11 @@ class NeuronOrder {
       resolve(i);
       return resolved_[i] ? &*resolved_[i] : nullptr;
     }
-    v_.diagnostics()
-        .add(Code::UnknownNeuron, base.span, {base.text})
-        .help_if(nearest_name(base.text, names_of(v_.decl.neurons)), "did you mean `{}`?");
+    if (v_.can_report(base, "neurons")) {
+      v_.diagnostics()
+          .add(Code::UnknownNeuron, base.span, {base.text})
+          .help_if(nearest_name(base.text, names_of(v_.decl.neurons)), "did you mean `{}`?");
+    }
     return nullptr;
   }
 
@@ -141,6 +146,9 @@ std::optional<ReceptorKind> kind_of(Validation& v, const ReceptorDecl& decl, con
     if (decl.kind->text == receptor_kind_name(kind)) {
       return kind;
     }
+  }
+  if (decl.kind->is_poisoned) {
+    return std::nullopt;
   }
   v.diagnostics()
       .add(Code::UnknownWord, decl.kind->span, {"receptor kind", decl.kind->text})

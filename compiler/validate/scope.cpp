@@ -79,7 +79,8 @@ void Scope::report(const ValueDecl& value, const std::vector<ExprError>& errors)
   for (const ExprError& error : errors) {
     if (error.code == ExprErrorCode::UnknownName) {
       const std::string name = value.text.substr(error.span.begin, error.span.end - error.span.begin);
-      if (broken.count(name) != 0) {
+      if (broken.count(name) != 0 || !knows_all_names) {
+        keep_silent();
         continue;
       }
       if (const auto why = absent.find(name); why != absent.end()) {
@@ -98,6 +99,10 @@ void Scope::report(const ValueDecl& value, const std::vector<ExprError>& errors)
 }
 
 std::optional<TypedExpression> Scope::expression(const ValueDecl& value, const Environment& names) {
+  if (value.is_poisoned) {
+    keep_silent();
+    return std::nullopt;
+  }
   std::vector<ExprError> errors;
   std::optional<TypedExpression> typed;
   if (const auto parsed = parse_expression(value.text, errors)) {
@@ -135,6 +140,10 @@ std::optional<TypedExpression> Scope::expression(const ValueDecl& value, const E
 }
 
 std::optional<Quantity> Scope::quantity(const ValueDecl& value) {
+  if (value.is_poisoned) {
+    keep_silent();
+    return std::nullopt;
+  }
   std::vector<ExprError> errors;
   Environment names = varying_names();
   names.outer = value.scope == 0 ? &environment : &instances[value.scope];
@@ -180,6 +189,10 @@ std::optional<std::uint64_t> Scope::ticks(const ValueDecl& value, std::string_vi
   }
   if (*time_ms < 0) {
     diagnostics_.add(Code::OutOfRange, value.span, {std::string(key), shown(*time_ms, kTime), "0 ms or more"});
+    return std::nullopt;
+  }
+  if (!knows_tick) {
+    keep_silent();
     return std::nullopt;
   }
   const auto ticks = whole_ticks(*time_ms, tick_ns);

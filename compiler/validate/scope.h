@@ -24,6 +24,8 @@ class Scope {
   std::set<std::string> broken;        // declared but wrong: uses of them are not reported again
   /// Names that have a meaning elsewhere, and why not here.
   std::map<std::string, std::string, std::less<>> absent;
+  bool knows_all_names = true;  // false when some declarations could not be read: unknown names are then no news
+  bool knows_tick = true;       // false when the circuit's tick is wrong: nothing is then said about whole ticks
 
   /// Parses and types in `names`; reports and returns nothing when that fails.
   std::optional<TypedExpression> expression(const ValueDecl& value, const Environment& names);
@@ -42,11 +44,15 @@ class Scope {
   void report_dimension(const ValueDecl& value, std::string_view key, const Dimension& wanted, const Dimension& found);
 
   Diagnostics& diagnostics() { return diagnostics_; }
+  /// Grows with each error and with each value that gave nothing because its mistake had been reported before.
+  [[nodiscard]] std::size_t trouble_count() const { return diagnostics_.error_count() + silent_count_; }
+  void keep_silent() { ++silent_count_; }
 
  private:
   void report(const ValueDecl& value, const std::vector<ExprError>& errors);
 
   Diagnostics& diagnostics_;
+  std::size_t silent_count_ = 0;
 };
 
 /// Ticks in `time_ms` when that is a whole number of them (to 1e-6 of a tick).

@@ -17,8 +17,9 @@ struct Overrides {
   std::vector<LesionDecl> lesions;
 };
 
-/// Resolves names and converts quantities to fixed units. Reports every problem it finds. Returns a circuit
-/// only if there were none, so no later stage checks names, units or ranges again.
+/// Resolves names and converts quantities to fixed units. Reports every problem it finds, and is silent about what
+/// follows from one that was reported before. Returns a circuit only if there were none, here and in the stages
+/// before, so no later stage checks names, units or ranges again.
 [[nodiscard]] std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overrides,
                                               Diagnostics& diagnostics);
 

@@ -80,6 +80,11 @@ void add_target(Validation& v, const NameDecl& target, Lesion& lesion) {
       return;
     }
   }
+  const bool knows_all = std::find(v.knows_sides.begin(), v.knows_sides.end(), false) == v.knows_sides.end() &&
+                         v.decl.poisoned_instances.empty() && v.knows_all("instances") && v.knows_all("projections");
+  if (!knows_all || !v.can_report(target, "populations")) {
+    return;  // it may name what could not be read
+  }
   std::vector<std::string> names = names_of(v.decl.populations);
   const std::vector<std::string> projections = names_of(v.decl.projections);
   names.insert(names.end(), projections.begin(), projections.end());
@@ -99,6 +104,9 @@ void add_lesion(Validation& v, const LesionDecl& decl) {
     }
   }
   for (const NameDecl& target : decl.targets) {
+    if (target.is_poisoned) {
+      continue;
+    }
     lesion.key += (lesion.key.empty() ? "" : ",") + target.text;
     add_target(v, target, lesion);
   }
@@ -107,7 +115,6 @@ void add_lesion(Validation& v, const LesionDecl& decl) {
 }  // namespace
 
 void validate_lesions(Validation& v) {
-  // Where a population or a projection is wrong, a lesion of it would be a consequence.
   for (const LesionDecl& decl : v.decl.lesions) {
     add_lesion(v, decl);
   }

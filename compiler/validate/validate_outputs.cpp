@@ -24,7 +24,7 @@ std::optional<Joint> find_joint(std::string_view name) {
 
 std::optional<Joint> joint(Validation& v, const NameDecl& name) {
   const auto found = find_joint(name.text);
-  if (!found) {
+  if (!found && !name.is_poisoned) {
     const std::vector<std::string> names(kJointNames.begin(), kJointNames.end());
     v.diagnostics()
         .add(Code::UnknownJoint, name.span, {name.text})
@@ -172,6 +172,7 @@ class JointTable {
       entry.max_speed_deg_s = max_speed_deg_s;
       entry.is_used = true;
       entry.limits = range;
+      entry.has_wrong_limits = !decl.limits.empty() && !range;
     }
   }
 
@@ -187,6 +188,7 @@ class JointTable {
         entry.first_use = name;
       }
       entry.is_used = true;
+      entry.has_wrong_limits = entry.has_wrong_limits || (!decl.limits.empty() && !range);
       if (range && entry.limits) {
         v_.diagnostics()
             .add(Code::JointDrivenTwice, range->span, {name.text})
@@ -200,7 +202,7 @@ class JointTable {
   void finish() {
     for (std::uint32_t j = 0; j < kJointCount; ++j) {
       const Entry& entry = entries_[j];
-      if (entry.is_used && !entry.limits && entry.first_use) {
+      if (entry.is_used && !entry.limits && !entry.has_wrong_limits && entry.first_use) {
         v_.diagnostics()
             .add(Code::JointWithoutLimits, entry.first_use->span, {kJointNames[j]})
             .help(fmt::format("\"joints\": {{ \"{}\": {{ \"limits\": [\"-30 deg\", \"30 deg\"] }} }}", kJointNames[j]));
@@ -215,6 +217,7 @@ class JointTable {
  private:
   struct Entry {
     bool is_used = false;
+    bool has_wrong_limits = false;
     std::optional<NameDecl> first_use;
     std::optional<Limits> limits;
     double max_speed_deg_s = 0;

@@ -23,11 +23,10 @@ class PopulationValidator {
   void run() {
     for (const PopulationDecl& decl : v_.decl.populations) {
       v_.population_of.emplace(decl.name.text, static_cast<std::uint32_t>(v_.circuit.populations.size()));
-      const std::size_t errors_before = v_.diagnostics().error_count();
       is_usable_ = true;
       neuron_number_.reset();
       one(decl, v_.circuit.populations.emplace_back());
-      v_.is_sound.push_back(is_usable_ && v_.diagnostics().error_count() == errors_before);
+      v_.is_sound.push_back(is_usable_);
     }
     unused_neurons();
     if (total_ > kMaxNeurons) {
@@ -40,9 +39,11 @@ class PopulationValidator {
   void one(const PopulationDecl& decl, Population& population) {
     population.name = decl.name.text;
     population.name_span = decl.name.span;
+    population.may_mix_signs = !decl.mixed_signs.empty();
     population.nucleus = decl.nucleus ? decl.nucleus->text : "";
     v_.check_cites(decl.provenance);
     axes(decl, population);
+    v_.knows_sides.push_back(is_usable_);
     add_instances(population);
     const ModelInfo* model = nullptr;
     std::vector<KeyedValue> parameters;
@@ -53,11 +54,6 @@ class PopulationValidator {
     } else {
       model = neuron(decl, population, parameters);
     }
-    if (model == nullptr) {
-      is_usable_ = false;
-      return;
-    }
-    population.model = model->kind;
     if (decl.size && decl.inputs.empty()) {
       population.size = static_cast<std::uint32_t>(v_.scope.whole(*decl.size, "size", 1, kMaxNeurons).value_or(0));
     } else if (decl.size) {
@@ -65,6 +61,11 @@ class PopulationValidator {
           .add(Code::KeysExclude, decl.size->span, {"size", "input"})
           .help("a retina has one neuron a field");
     }
+    if (model == nullptr) {
+      is_usable_ = false;
+      return;
+    }
+    population.model = model->kind;
     population.may_sleep = model->may_sleep && population.size >= kSleepFromNeurons;
     total_ += std::uint64_t{population.size} * population.instance_count;
     if (population.size == 0 || total_ > kMaxNeurons) {
@@ -74,7 +75,9 @@ class PopulationValidator {
     if (neuron_number_) {
       is_used_[*neuron_number_] = true;
     }
-    apply_parameters(v_, population, *model, {parameters, decl.exceptions, decl.position}, decl.name);
+    const bool knows_places =
+        apply_parameters(v_, population, *model, {parameters, decl.exceptions, decl.position}, decl.name);
+    is_usable_ = is_usable_ && knows_places;
   }
 
   /// A neuron type that no population brought this far is checked on a population of one.
@@ -108,9 +111,13 @@ class PopulationValidator {
     for (const NameDecl& name : decl.axes) {
       const auto found = v_.axis_of.find(name.text);
       if (found == v_.axis_of.end()) {
-        v_.diagnostics()
-            .add(Code::UnknownAxis, name.span, {name.text})
-            .help_if(nearest_name(name.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+        if (v_.can_report(name, "axes")) {
+          v_.diagnostics()
+              .add(Code::UnknownAxis, name.span, {name.text})
+              .help_if(nearest_name(name.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+        }
+        is_usable_ = false;
+      } else if (!v_.is_sound_axis[found->second]) {
         is_usable_ = false;
       } else {
         population.axes.push_back(static_cast<AxisId>(found->second));
@@ -164,7 +171,11 @@ class PopulationValidator {
         }
       }
       population.receptors = resolve_receptors(v_, *neurons_[i], parameters);
+      is_usable_ = is_usable_ && !neurons_[i]->has_poisoned_receptors;
       return neurons_[i]->model;
+    }
+    if (!v_.can_report(*decl.neuron, "neurons")) {
+      return nullptr;
     }
     v_.diagnostics()
         .add(Code::UnknownNeuron, decl.neuron->span, {decl.neuron->text})
@@ -178,14 +189,17 @@ class PopulationValidator {
     for (const InputUseDecl& use : decl.inputs) {
       const auto found = v_.retina_of.find(use.input.text);
       if (found == v_.retina_of.end()) {
-        v_.diagnostics()
-            .add(Code::UnknownInput, use.input.span, {use.input.text})
-            .help_if(nearest_name(use.input.text, names_of(v_.decl.retinas)), "did you mean `{}`?");
+        if (v_.can_report(use.input, "inputs")) {
+          v_.diagnostics()
+              .add(Code::UnknownInput, use.input.span, {use.input.text})
+              .help_if(nearest_name(use.input.text, names_of(v_.decl.retinas)), "did you mean `{}`?");
+        }
+        is_usable_ = false;
         continue;
       }
       const RetinaSheet& retina = v_.circuit.retinas[found->second];
       is_usable_ = is_usable_ && v_.is_sound_retina[found->second];
-      if (first != nullptr && retina.fields.size() != first->fields.size()) {
+      if (is_usable_ && first != nullptr && retina.fields.size() != first->fields.size()) {
         v_.diagnostics().add(Code::SizesDiffer, use.input.span,
                              {first->name, fmt::format("{}", first->fields.size()), retina.name,
                               fmt::format("{}", retina.fields.size())});

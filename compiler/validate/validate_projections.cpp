@@ -35,6 +35,7 @@ class ProjectionValidator {
     cites();
     made_.from = endpoints(decl_.from);
     made_.to = endpoints(decl_.to);
+    is_sound_ = is_sound_ && !made_.from.empty() && !made_.to.empty();
     sign();
     const bool knows_ends = is_sound_;
     if (knows_ends) {
@@ -44,10 +45,14 @@ class ProjectionValidator {
       make_environment();
     }
     rule();
-    if (!knows_ends) {
-      return;  // without its ends, nothing more can be said of it that is not a consequence
+    if (!is_sound_) {
+      return;  // without its ends or its edge list, nothing more can be said of it that is not a consequence
     }
-    receptors();
+    if ((decl_.sign && decl_.sign->is_poisoned) || (decl_.receptor && decl_.receptor->is_poisoned)) {
+      v_.scope.keep_silent();
+    } else {
+      receptors();
+    }
     weight();
     delay();
     where();
@@ -91,7 +96,7 @@ class ProjectionValidator {
     }
     if (decl_.sign->text == "inhibitory") {
       made_.is_inhibitory = true;
-    } else if (decl_.sign->text != "excitatory") {
+    } else if (decl_.sign->text != "excitatory" && !decl_.sign->is_poisoned) {
       v_.diagnostics()
           .add(Code::UnknownWord, decl_.sign->span, {"sign", decl_.sign->text})
           .help("a sign is `excitatory` or `inhibitory`");
@@ -118,7 +123,7 @@ class ProjectionValidator {
   void sides() {
     const std::vector<AxisId> shared = shared_axes();
     for (const SideDecl& side : decl_.side) {
-      const auto relation = find_relation(side.relation);
+      const auto relation = side.relation.is_poisoned ? std::nullopt : find_relation(side.relation);
       if (!relation) {
         continue;
       }
@@ -126,9 +131,11 @@ class ProjectionValidator {
       if (!side.axis.text.empty()) {
         const auto axis = v_.axis_of.find(side.axis.text);
         if (axis == v_.axis_of.end()) {
-          v_.diagnostics()
-              .add(Code::UnknownAxis, side.axis.span, {side.axis.text})
-              .help_if(nearest_name(side.axis.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+          if (v_.can_report(side.axis, "axes")) {
+            v_.diagnostics()
+                .add(Code::UnknownAxis, side.axis.span, {side.axis.text})
+                .help_if(nearest_name(side.axis.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+          }
           continue;
         }
         const auto id = static_cast<AxisId>(axis->second);
@@ -179,6 +186,9 @@ class ProjectionValidator {
   void only_sides() {
     const std::vector<std::string> known = known_sides();
     for (const NameDecl& side : decl_.only_sides) {
+      if (side.is_poisoned) {
+        continue;
+      }
       if (std::find(known.begin(), known.end(), side.text) == known.end()) {
         v_.diagnostics()
             .add(Code::UnknownSide, side.span, {decl_.to.front().text, side.text})
@@ -189,7 +199,7 @@ class ProjectionValidator {
   }
 
   void rule() {
-    if (decl_.rule.kind.text.empty()) {
+    if (decl_.rule.kind.is_poisoned) {
       return;  // its absence has been reported
     }
     const auto spelling = std::find_if(kRules.begin(), kRules.end(),
@@ -407,7 +417,6 @@ class ProjectionValidator {
         to.receptor = 0;
       } else {
         report_receptor(target, name, wanted);
-        is_sound_ = false;
       }
     }
   }
@@ -507,6 +516,9 @@ class ProjectionValidator {
     }
     const double delay_ms = *typed->constant;
     const auto ticks = whole_ticks(delay_ms, v_.circuit.tick_ns);
+    if (delay_ms >= 0 && !v_.scope.knows_tick) {
+      return typed;
+    }
     if (delay_ms < 0) {
       v_.diagnostics().add(Code::OutOfRange, value.span, {"delay", shown(delay_ms, kTime), "0 ms or more"});
     } else if (!ticks) {

@@ -213,7 +213,7 @@ void validate_retina(Validation& v, const RetinaDecl& decl, RetinaSheet& retina)
   retina.name = decl.name.text;
   if (decl.eye.text == "left" || decl.eye.text == "right") {
     retina.eye = decl.eye.text == "left" ? Eye::Left : Eye::Right;
-  } else {
+  } else if (!decl.eye.is_poisoned) {
     v.diagnostics().add(Code::UnknownWord, decl.eye.span, {"eye", decl.eye.text}).help("an eye is `left` or `right`");
   }
   if (decl.frame.size() == 2) {
@@ -229,13 +229,13 @@ void validate_retina(Validation& v, const RetinaDecl& decl, RetinaSheet& retina)
                           {"field_of_view", shown(*angle, kAngle), "0 deg to 179 deg"});
     }
   }
-  if (decl.lit_channel) {
+  if (decl.lit_channel && !decl.lit_channel->is_poisoned) {
     validate_channel(v, *decl.lit_channel, retina);
   }
   if (decl.lit_above) {
     retina.lit_above = static_cast<std::uint32_t>(v.scope.whole(*decl.lit_above, "above", 0, 255).value_or(0));
   }
-  if (decl.fires_when) {
+  if (decl.fires_when && !decl.fires_when->is_poisoned) {
     validate_fires_when(v, *decl.fires_when, retina);
   }
   if (retina.frame_width == 0 || retina.frame_height == 0) {
@@ -254,9 +254,9 @@ void validate_retina(Validation& v, const RetinaDecl& decl, RetinaSheet& retina)
 void validate_retinas(Validation& v) {
   for (const RetinaDecl& decl : v.decl.retinas) {
     v.retina_of.emplace(decl.name.text, static_cast<std::uint32_t>(v.circuit.retinas.size()));
-    const std::size_t errors_before = v.diagnostics().error_count();
+    const std::size_t trouble_before = v.scope.trouble_count();
     validate_retina(v, decl, v.circuit.retinas.emplace_back());
-    v.is_sound_retina.push_back(v.diagnostics().error_count() == errors_before);
+    v.is_sound_retina.push_back(!decl.is_poisoned && v.scope.trouble_count() == trouble_before);
   }
 }
 

@@ -22,6 +22,7 @@ struct ResolvedNeuron {
   NameDecl model_name;
   std::vector<KeyedValue> parameters;  // nearest declaration of each key
   std::vector<ReceptorDecl> receptors;
+  bool has_poisoned_receptors = false;
 };
 
 struct Validation {
@@ -32,11 +33,17 @@ struct Validation {
 
   std::map<std::string, std::uint32_t, std::less<>> axis_of;
   std::map<std::string, std::uint32_t, std::less<>> population_of;  // declared, right or wrong
-  std::vector<bool> is_sound;                                       // population by population
+  std::vector<bool> is_sound;     // population by population: model, size, sides and places are known
+  std::vector<bool> knows_sides;  // population by population
+  std::vector<bool> is_sound_axis;
   std::map<std::string, std::uint32_t, std::less<>> retina_of;
   std::vector<bool> is_sound_retina;
 
   [[nodiscard]] Diagnostics& diagnostics() { return scope.diagnostics(); }
+  /// Can a name that is not found in this section be called unknown? No when the section could not be read.
+  [[nodiscard]] bool knows_all(std::string_view section) const;
+  /// The same of one name: not when it is poisoned itself. Notes the silence that follows.
+  [[nodiscard]] bool can_report(const NameDecl& name, std::string_view section);
   void check_cites(const ProvenanceDecl& provenance);
   /// "EBN" or "EBN.left". Reports what it does not find.
   std::optional<Endpoint> endpoint(const NameDecl& name);

@@ -15,6 +15,7 @@ struct CommandContext {
 void add_check_command(CLI::App& app, CommandContext& context);
 void add_compile_command(CLI::App& app, CommandContext& context);
 void add_dump_command(CLI::App& app, CommandContext& context);
+void add_fmt_command(CLI::App& app, CommandContext& context);
 void add_run_command(CLI::App& app, CommandContext& context);
 void add_servo_command(CLI::App& app, CommandContext& context);
 

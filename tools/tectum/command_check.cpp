@@ -35,7 +35,7 @@ void add_check_command(CLI::App& app, CommandContext& context) {
   auto arguments = std::make_shared<CircuitArguments>();
   add_circuit_arguments(*command, *arguments, CircuitKinds::FileOnly);
   command->footer(
-      "Exit status: 0 when there is no error (warnings may be), 1 when there is.\n\n"
+      "Exit status: 0 when there is no error (warnings may be), 1 when there is, 2 when the file cannot be read.\n\n"
       "Examples:\n"
       "  tectum check circuits/oculomotor.json\n"
       "  tectum check my_circuit.json --format json      for editors and CI\n"

@@ -72,7 +72,7 @@ void compile(const CompileArguments& arguments, CommandContext& context) {
   file.close();
   if (!file) {
     context.err << fmt::format("tectum: cannot write {}\n", path);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return;
   }
   if (arguments.circuit.format == "text") {

@@ -63,7 +63,7 @@ std::optional<Compilation> compile_file(const CircuitArguments& arguments, const
   ReadSource source = read_source(arguments.path);
   if (!source.ok) {
     context.err << fmt::format("tectum: {}\n", source.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return std::nullopt;
   }
   Compilation compilation;
@@ -118,7 +118,7 @@ std::optional<SpikeImage> load_circuit(const CircuitArguments& arguments, Comman
   }
   if (!loaded.image) {
     context.err << fmt::format("tectum: {}: {}\n", arguments.path, loaded.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
   }
   return std::move(loaded.image);
 }

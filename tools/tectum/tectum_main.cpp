@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/tectum/command.h"
+#include "tools/tectum/usage_error.h"
 
 namespace tectum {
 
@@ -20,6 +21,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_check_command(app, context);
   add_compile_command(app, context);
   add_dump_command(app, context);
+  add_fmt_command(app, context);
   add_run_command(app, context);
   add_servo_command(app, context);
 
@@ -27,11 +29,18 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   if (reversed.empty()) {
     reversed.emplace_back("--help");
   }
+  if (const auto unknown = unknown_command(app, args)) {
+    err << *unknown;
+    return kExitUsage;
+  }
   try {
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
-    const int status = app.exit(error, out, err);
-    return status == 0 ? kExitOk : kExitUsage;
+    if (error.get_exit_code() != 0) {
+      err << usage_error(app, error);
+      return kExitUsage;
+    }
+    return app.exit(error, out, err);  // --help and --version
   }
   return context.exit_status;
 }

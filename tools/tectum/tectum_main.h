@@ -9,8 +9,9 @@ namespace tectum {
 
 /// Exit statuses of every command.
 inline constexpr int kExitOk = 0;
-inline constexpr int kExitFailed = 1;  // the circuit is wrong, or the world failed
-inline constexpr int kExitUsage = 2;   // the command line is wrong
+inline constexpr int kExitFailed = 1;   // the circuit is wrong, or does not do what was asked of it
+inline constexpr int kExitTrouble = 2;  // a file, camera or servo cannot be reached or used
+inline constexpr int kExitUsage = 2;    // the command line is wrong
 
 /// Runs `tectum ARGS…`. `args` leaves out the program's name.
 int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::ostream& err);

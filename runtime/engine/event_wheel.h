@@ -61,6 +61,13 @@ class EventWheel {
     free_ = index;
   }
 
+  [[nodiscard]] std::uint64_t row_count(std::uint64_t tick) const noexcept {
+    std::uint64_t rows = 0;
+    for (std::uint32_t index = heads_[tick & mask_]; index != kNone; index = chunks_[index].next) {
+      rows += chunks_[index].count;
+    }
+    return rows;
+  }
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
 
  private:

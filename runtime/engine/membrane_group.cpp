@@ -34,6 +34,11 @@ void append_scaled(std::span<const float> entry, const std::vector<double>& unit
 
 std::size_t padded(std::uint32_t size) { return (std::size_t{size} + kWordLanes - 1) / kWordLanes * kWordLanes; }
 
+// Where the list of a part that starts at `neuron` begins: whole vectors are read and written past its end.
+std::size_t picked_begin(std::uint32_t neuron) {
+  return padded(neuron) + std::size_t{neuron} / (kWordLanes * kWordLanes) * kWordLanes;
+}
+
 // std::popcount is a call on processors that may lack the instruction.
 std::uint32_t count_bits(std::uint64_t word) noexcept {
   word -= (word >> 1U) & 0x5555555555555555ULL;
@@ -67,8 +72,8 @@ MembraneGroup::MembraneGroup(const SpikeImage& image, const GroupRecord& group, 
       refractory_(padded(size_) + 1),  // the gather of the last counter reads one more
       awake_(may_sleep_ ? padded(size_) / kWordLanes : 0),
       awake_words_((awake_.size() + kWordLanes - 1) / kWordLanes),
-      picked_(std::make_unique<std::uint32_t[]>(may_sleep_ ? padded(size_) + kWordLanes
-                                                           : 0)),  // read and written past the end
+      picked_(may_sleep_ ? std::make_unique_for_overwrite<std::uint32_t[]>(picked_begin(size_) + 2 * kWordLanes)
+                         : nullptr),
       valid_after_(may_sleep_ ? padded(size_) : 0) {
   derive_constants(image, group);
   derive_thresholds(image, group);
@@ -247,7 +252,7 @@ void MembraneGroup::advance(GroupTick& tick) noexcept {
     return;
   }
   // Who sleeps is settled before anyone moves: a neuron takes one step or one leap.
-  std::uint32_t* const picked = picked_.get() + tick.begin;
+  std::uint32_t* const picked = picked_.get() + picked_begin(tick.begin);
   std::uint32_t asleep_count = 0;
   for (std::uint32_t k = 0; k < tick.touched_count; ++k) {
     const std::uint32_t neuron = tick.touched[k];
@@ -255,7 +260,9 @@ void MembraneGroup::advance(GroupTick& tick) noexcept {
     asleep_count += static_cast<std::uint32_t>(~(awake_[neuron / kWordLanes] >> (neuron % kWordLanes)) & 1U);
   }
   std::uint32_t picked_count = asleep_count;
-  for (std::size_t w = 0; w < awake_words_.size(); ++w) {
+  const std::size_t first_summary = tick.begin / (kWordLanes * kWordLanes);
+  const std::size_t last_summary = (tick.end + kWordLanes * kWordLanes - 1) / (kWordLanes * kWordLanes);
+  for (std::size_t w = first_summary; w < last_summary; ++w) {
     for (std::uint64_t left = awake_words_[w]; left != 0; left &= left - 1) {
       const auto word = static_cast<std::uint32_t>(w * kWordLanes) + static_cast<std::uint32_t>(std::countr_zero(left));
       if (count_bits(awake_[word]) >= dense_lanes_) {
@@ -270,9 +277,11 @@ void MembraneGroup::advance(GroupTick& tick) noexcept {
   advance_picked(now, kernels_.step, {picked + asleep_count, picked_count - asleep_count}, tick);
   advance_picked(now, kernels_.leap, {picked, asleep_count}, tick);
   std::sort(tick.fired, tick.fired + tick.fired_count);
-  const bool all_asleep =
-      std::all_of(awake_words_.begin(), awake_words_.end(), [](std::uint64_t word) { return word == 0; });
-  tick.idle_until = all_asleep ? kNeverTick : 0;
+  std::uint64_t still_awake = 0;
+  for (std::size_t w = first_summary; w < last_summary; ++w) {
+    still_awake |= awake_words_[w];
+  }
+  tick.idle_until = still_awake == 0 ? kNeverTick : 0;
 }
 
 std::vector<const void*> MembraneGroup::hot_arrays() const {

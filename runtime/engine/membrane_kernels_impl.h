@@ -27,12 +27,28 @@ struct VectorResult {
 
 constexpr std::uint64_t kAllLanes = ~std::uint64_t{0} >> (64 - Vec::kWidth);
 
+// Where each current and each receptor's inputs begin, worked out before the loop over neurons.
+template <std::uint32_t kCurrents>
+struct Places {
+  static constexpr std::uint32_t kRoom = kCurrents == kAnyCount || kCurrents == 0 ? kMaxReceptors + 1 : kCurrents;
+  float* currents[kRoom];
+  std::int32_t* inputs[kRoom];
+
+  Places(const MembraneArgs& a, std::int32_t* first_input) noexcept {
+    const std::uint32_t count = kCurrents == kAnyCount || kCurrents == 0 ? kRoom : kCurrents;
+    for (std::uint32_t c = 0; c < count; ++c) {
+      currents[c] = a.currents + c * a.stride;
+      inputs[c] = first_input + c * a.input_stride;
+    }
+  }
+};
+
 // Advances `lanes` of the vector of neurons that starts at `i`; all of them unless kMasked.
 template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bool kDust>
-[[gnu::always_inline]] inline VectorResult advance_vector(const MembraneArgs& a, std::int32_t* inputs, std::size_t i,
-                                                          std::uint64_t lanes) noexcept {
+[[gnu::always_inline]] inline VectorResult advance_vector(const MembraneArgs& a, const Places<kCurrents>& places,
+                                                          std::size_t i, std::uint64_t lanes) noexcept {
   const auto arrived = [&](std::uint32_t receptor) {
-    std::int32_t* const place = inputs + receptor * a.input_stride + i;
+    std::int32_t* const place = places.inputs[receptor] + i;
     return kMasked ? Vec::take_inputs(place, lanes) : Vec::take_all_inputs(place);
   };
   constexpr bool kIsDelta = kModel == ModelKind::LifDelta;
@@ -46,7 +62,7 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bo
   const typename Vec::F old_u = Vec::load(a.u + i);
   typename Vec::F u = Vec::mul(Vec::set1(a.decay), kDust ? Vec::without_dust(old_u) : old_u);
   for (std::uint32_t c = 0; c < currents; ++c) {
-    const typename Vec::F loaded = Vec::load(a.currents + c * a.stride + i);
+    const typename Vec::F loaded = Vec::load(places.currents[c] + i);
     if constexpr (kMasked && !kIsDelta) {
       old[c] = loaded;
     }
@@ -74,7 +90,7 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bo
     now[w] = Vec::blend(fires, now[w], Vec::add(now[w], Vec::set1(a.adaptation_step_na)));
   }
   const std::uint64_t fired = Vec::bits(fires);
-  for (std::uint64_t left = fired; left != 0; left &= left - 1) {
+  for (std::uint64_t left = fired; __builtin_expect(left != 0, 0); left &= left - 1) {
     a.refractory[i + static_cast<std::size_t>(__builtin_ctzll(left))] = static_cast<std::uint16_t>(a.refractory_ticks);
   }
 
@@ -93,7 +109,7 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kMasked, bo
     if constexpr (kMasked && !kIsDelta) {
       now[c] = Vec::blend(on, old[c], now[c]);
     }
-    Vec::store(a.currents + c * a.stride + i, now[c]);
+    Vec::store(places.currents[c] + i, now[c]);
   }
   return {fired, may_sleep};
 }
@@ -102,19 +118,24 @@ template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn, bool kDust>
 std::uint32_t sweep_all(const MembraneArgs& args, std::int32_t* inputs, std::uint32_t begin, std::uint32_t end,
                         std::uint32_t* fired) noexcept {
   const MembraneArgs a = args;  // a copy that no store can touch, so that it stays in registers
+  const Places<kCurrents> places(a, inputs);
   std::uint32_t fired_count = 0;
   const auto emit = [&](std::uint64_t bits, std::uint32_t first) {
     for (; bits != 0; bits &= bits - 1) {
       fired[fired_count++] = first + static_cast<std::uint32_t>(__builtin_ctzll(bits));
     }
   };
-  std::uint32_t i = begin;
-  for (; i + Vec::kWidth <= end; i += Vec::kWidth) {
-    emit(advance_vector<kModel, kCurrents, kOwn, false, kDust>(a, inputs, i, kAllLanes).fired, i);
+  std::size_t i = begin;
+  for (const std::size_t whole = begin + (end - begin) / Vec::kWidth * Vec::kWidth; i < whole; i += Vec::kWidth) {
+    const std::uint64_t who = advance_vector<kModel, kCurrents, kOwn, false, kDust>(a, places, i, kAllLanes).fired;
+    if (__builtin_expect(who != 0, 0)) {
+      emit(who, static_cast<std::uint32_t>(i));
+    }
   }
   if (i < end) {
     const std::uint64_t lanes = kAllLanes >> (Vec::kWidth - (end - i));
-    emit(advance_vector<kModel, kCurrents, kOwn, true, kDust>(a, inputs, i, lanes).fired, i);
+    emit(advance_vector<kModel, kCurrents, kOwn, true, kDust>(a, places, i, lanes).fired,
+         static_cast<std::uint32_t>(i));
   }
   return fired_count;
 }
@@ -128,6 +149,7 @@ std::uint32_t sweep(const MembraneArgs& args, MembraneTick tick, std::uint32_t b
 
 template <ModelKind kModel, std::uint32_t kCurrents, bool kOwn>
 MembraneWord sweep_word(const MembraneArgs& args, MembraneTick tick, std::uint32_t word, std::uint64_t lanes) noexcept {
+  const Places<kCurrents> places(args, tick.inputs);
   MembraneWord result{0, 0};
   for (std::uint32_t k = 0; k < 64; k += Vec::kWidth) {
     const std::uint64_t here = (lanes >> k) & kAllLanes;
@@ -136,8 +158,8 @@ MembraneWord sweep_word(const MembraneArgs& args, MembraneTick tick, std::uint32
     }
     const std::uint32_t i = 64 * word + k;
     const VectorResult vector = tick.removes_dust
-                                    ? advance_vector<kModel, kCurrents, kOwn, true, true>(args, tick.inputs, i, here)
-                                    : advance_vector<kModel, kCurrents, kOwn, true, false>(args, tick.inputs, i, here);
+                                    ? advance_vector<kModel, kCurrents, kOwn, true, true>(args, places, i, here)
+                                    : advance_vector<kModel, kCurrents, kOwn, true, false>(args, places, i, here);
     result.fired |= vector.fired << k;
     result.may_sleep |= vector.may_sleep << k;
   }

@@ -21,7 +21,7 @@ struct GroupTick {
   std::int32_t* inputs;          // [receptor][group size] accumulators; the group zeroes what it consumes
   const std::uint32_t* touched;  // neurons that have input, each once, in any order; only if wants_marks()
   std::uint32_t touched_count;
-  std::uint32_t* fired;           // room for every neuron of the group
+  std::uint32_t* fired;           // room for every neuron of [begin, end)
   std::uint32_t fired_count = 0;  // out: neurons of the group (counted from 0), ascending
   std::uint64_t idle_until = 0;   // out: before this tick nothing happens in [begin, end) without input
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "compiler/elaborate/random_stream.h"
+#include "compiler/expression/random_stream.h"
 
 namespace tectum {
 namespace {

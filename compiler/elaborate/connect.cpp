@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -136,7 +137,7 @@ class Connector {
 
   void keep_where() {
     if (projection_.where && block_.size() > 0) {
-      variables_.evaluate(*projection_.where, block_, values_);
+      variables_.evaluate(PairUse::Where, *projection_.where, block_, values_);
       compress([&](std::size_t i) { return values_[i] != 0; });
     }
   }
@@ -146,7 +147,7 @@ class Connector {
     if (!projection_.probability || block_.size() == 0) {
       return;
     }
-    variables_.evaluate(*projection_.probability, block_, values_);
+    variables_.evaluate(PairUse::Probability, *projection_.probability, block_, values_);
     compress([&](std::size_t i) {
       const std::uint64_t pair = std::uint64_t{block_.pre[i]} * post_size_ + block_.post[i];
       return random_.uniform(pair) < values_[i];
@@ -156,6 +157,9 @@ class Connector {
   /// For each of `count` neurons, `degree` different partners out of those that `where` leaves: the first entries
   /// of a Fisher-Yates shuffle, draw k of neuron i at index i 2^32 + k.
   bool fixed_degree(std::uint32_t count, std::uint32_t partner_count, bool is_in_degree) {
+    if (!projection_.where) {
+      return fixed_degree_of_any(count, partner_count, is_in_degree);
+    }
     std::vector<std::uint32_t> partners;
     for (std::uint32_t i = 0; i < count; ++i) {
       partners.clear();
@@ -184,6 +188,35 @@ class Connector {
       block_.clear();
     }
     return true;
+  }
+
+  /// The same draws where every neuron may be a partner: instead of listing them anew, the swaps are undone.
+  bool fixed_degree_of_any(std::uint32_t count, std::uint32_t partner_count, bool is_in_degree) {
+    const std::uint32_t others = skips_autapses_ ? partner_count - 1 : partner_count;
+    const auto degree = std::min<std::uint32_t>(projection_.degree, others);
+    std::vector<std::uint32_t> partners(others);
+    std::iota(partners.begin(), partners.end(), 0U);
+    std::vector<std::uint32_t> swapped(degree);
+    std::vector<std::uint32_t> chosen(degree);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (std::uint32_t k = 0; k < degree; ++k) {
+        swapped[k] = k + random_.below((std::uint64_t{i} << 32U) + k, others - k);
+        std::swap(partners[k], partners[swapped[k]]);
+      }
+      for (std::uint32_t k = 0; k < degree; ++k) {
+        chosen[k] = partners[k] + (skips_autapses_ && partners[k] >= i ? 1 : 0);
+      }
+      for (std::uint32_t k = degree; k-- > 0;) {
+        std::swap(partners[k], partners[swapped[k]]);
+      }
+      std::sort(chosen.begin(), chosen.end());
+      for (const std::uint32_t partner : chosen) {
+        if (!add(is_in_degree ? partner : i, is_in_degree ? i : partner)) {
+          return false;
+        }
+      }
+    }
+    return flush();
   }
 
   void drain(std::vector<std::uint32_t>& partners, bool is_in_degree) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "compiler/elaborate/pair_block.h"
-#include "compiler/elaborate/random_stream.h"
+#include "compiler/expression/random_stream.h"
 #include "compiler/validate/circuit.h"
 
 namespace tectum {

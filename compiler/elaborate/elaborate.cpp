@@ -11,8 +11,8 @@
 #include "compiler/elaborate/apply_lesions.h"
 #include "compiler/elaborate/connect.h"
 #include "compiler/elaborate/quantise.h"
-#include "compiler/elaborate/random_stream.h"
 #include "compiler/elaborate/same_tick_order.h"
+#include "compiler/expression/random_stream.h"
 #include "compiler/validate/scope.h"
 #include "runtime/image/models.h"
 
@@ -171,8 +171,9 @@ class Wiring {
       report_full(projection);
       return;
     }
-    PairVariables variables(circuit_, from, to);
-    const RandomStream random(circuit_.seed, stream_name(projection, circuit_, from, to));
+    const std::string stream = stream_name(projection, circuit_, from, to);
+    PairVariables variables(circuit_, from, to, stream);
+    const RandomStream random(circuit_.seed, stream);
     const Values values = values_between(projection, from, to);
     std::string error;
     const auto take_block = [&](PairBlock& block) {
@@ -247,8 +248,8 @@ class Wiring {
       report_full(projection);
       return false;
     }
-    variables.evaluate(values.weight, block, weight_values_);
-    variables.evaluate(values.delay, block, delay_values_);
+    variables.evaluate(PairUse::Weight, values.weight, block, weight_values_);
+    variables.evaluate(PairUse::Delay, values.delay, block, delay_values_);
     const double sign = projection.is_inhibitory ? -1 : 1;
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (!check_weight(projection, block, i)) {

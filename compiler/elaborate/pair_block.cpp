@@ -39,12 +39,17 @@ double side_word(const Circuit& circuit, const Instance& instance, AxisId axis) 
 
 }  // namespace
 
-PairVariables::PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post) {
+PairVariables::PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post,
+                             const std::string& stream_name) {
   first_edge_slot_ = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(circuit.axes.size());
   columns_.resize(first_edge_slot_);
   gathered_.resize(columns_.size());
   const std::uint32_t pre_size = circuit.populations[index_of(pre.population)].size;
   const std::uint32_t post_size = circuit.populations[index_of(post.population)].size;
+  post_size_ = post_size;
+  for (const char* use : {"where", "probability", "weight", "delay"}) {
+    random_.emplace_back(circuit.seed, stream_name + "\n" + use);
+  }
   columns_[kPreIndex] = {indices(pre_size), true};
   columns_[kPostIndex] = {indices(post_size), false};
   columns_[kPreSize] = {{static_cast<double>(pre_size)}, true};
@@ -79,11 +84,19 @@ void PairVariables::add_sides(const Circuit& circuit, const Instance& pre, const
   }
 }
 
-EvalColumn PairVariables::gather(std::uint32_t slot, const PairBlock& block) {
+EvalColumn PairVariables::gather(PairUse use, std::uint32_t slot, const PairBlock& block) {
   if (slot >= first_edge_slot_) {
     return {block.edge_columns[slot - first_edge_slot_].data(), 1};
   }
   std::vector<double>& gathered = gathered_[slot];
+  if (slot == kPairRandom) {
+    const RandomStream& random = random_[static_cast<std::size_t>(use)];
+    gathered.resize(block.size());
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      gathered[i] = random.uniform(std::uint64_t{block.pre[i]} * post_size_ + block.post[i]);
+    }
+    return {gathered.data(), 1};
+  }
   if (slot == kDistance) {
     gathered.resize(block.size());
     for (std::size_t i = 0; i < block.size(); ++i) {
@@ -104,7 +117,8 @@ EvalColumn PairVariables::gather(std::uint32_t slot, const PairBlock& block) {
   return {gathered.data(), 1};
 }
 
-void PairVariables::evaluate(const TypedExpression& expression, const PairBlock& block, std::vector<double>& out) {
+void PairVariables::evaluate(PairUse use, const TypedExpression& expression, const PairBlock& block,
+                             std::vector<double>& out) {
   out.resize(block.size());
   if (expression.constant) {
     std::fill(out.begin(), out.end(), *expression.constant);
@@ -112,7 +126,7 @@ void PairVariables::evaluate(const TypedExpression& expression, const PairBlock&
   }
   std::vector<EvalColumn> inputs(columns_.size() + block.edge_columns.size());
   for (const std::uint32_t slot : slots_read(expression)) {
-    inputs[slot] = gather(slot, block);
+    inputs[slot] = gather(use, slot, block);
   }
   Evaluator(expression).evaluate(inputs, out);
 }

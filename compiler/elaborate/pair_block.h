@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "compiler/expression/expression.h"
+#include "compiler/expression/random_stream.h"
 #include "compiler/validate/circuit.h"
 
 namespace tectum {
@@ -34,13 +36,17 @@ struct PairBlock {
 
 inline constexpr std::size_t kPairBlockSize = 4096;
 
+/// What an expression is for: each draws its own `random`.
+enum class PairUse { Where, Probability, Weight, Delay };
+
 /// Values of the pair variables between two population sides.
 class PairVariables {
  public:
-  PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post);
+  /// `stream_name` names the random draws.
+  PairVariables(const Circuit& circuit, const Instance& pre, const Instance& post, const std::string& stream_name);
 
   /// Evaluates `expression` for each pair of the block.
-  void evaluate(const TypedExpression& expression, const PairBlock& block, std::vector<double>& out);
+  void evaluate(PairUse use, const TypedExpression& expression, const PairBlock& block, std::vector<double>& out);
 
  private:
   /// One value for every neuron of a side, or one for all.
@@ -49,10 +55,12 @@ class PairVariables {
     bool is_pre = true;
   };
   void add_geometry(const Instance& instance, bool is_pre);
-  EvalColumn gather(std::uint32_t slot, const PairBlock& block);
+  EvalColumn gather(PairUse use, std::uint32_t slot, const PairBlock& block);
   void add_sides(const Circuit& circuit, const Instance& pre, const Instance& post);
 
   std::uint32_t first_edge_slot_ = 0;
+  std::uint32_t post_size_ = 0;
+  std::vector<RandomStream> random_;           // [PairUse]
   std::vector<Column> columns_;                // slot by slot; empty where the variable has no meaning here
   std::vector<std::vector<double>> gathered_;  // slot by slot, for the block in hand
 };

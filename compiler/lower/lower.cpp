@@ -48,7 +48,7 @@ ModelPhysics physics_of(const NetworkPopulation& population, std::uint32_t begin
   for (const Receptor& receptor : population.receptors) {
     physics.receptors.push_back({receptor.name, receptor.kind, receptor.tau_ms, receptor.window_ticks});
   }
-  physics.may_sleep = population.may_sleep;
+  physics.may_sleep = population.may_sleep && rests_below_threshold(physics);
   return physics;
 }
 

@@ -137,7 +137,8 @@ enum PairVariable : std::uint32_t {
   kPostX,
   kPostY,
   kPostEccentricity,
-  kDistance,  // between (pre.x, pre.y) and (post.x, post.y)
+  kDistance,    // between (pre.x, pre.y) and (post.x, post.y)
+  kPairRandom,  // in [0, 1): a number of its own for each pair, another one for each expression of a projection
   kFirstAxisVariable
 };
 

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <set>
 
+#include "compiler/expression/random_stream.h"
 #include "compiler/validate/slot_use.h"
 
 namespace tectum {
 namespace {
 
 /// Variables of a neuron parameter's expression, as evaluator slots; the side of axis a follows.
-enum NeuronVariable : std::uint32_t { kIndex, kPosition, kSize, kX, kY, kEccentricity, kFirstSide };
+enum NeuronVariable : std::uint32_t { kIndex, kPosition, kSize, kRandom, kX, kY, kEccentricity, kFirstSide };
 
 /// The model's unit as dimension and scale. Units with a product below the line are written with brackets there.
 Unit unit_of(const ParameterInfo& info) {
@@ -32,6 +33,7 @@ class ParameterEvaluator {
     names_.add_variable("index", kNumber, kIndex);
     names_.add_variable("pos", kNumber, kPosition);
     names_.add_variable("size", kNumber, kSize);
+    names_.add_variable("random", kNumber, kRandom);
     for (std::uint32_t a = 0; a < population.axes.size(); ++a) {
       const std::string& axis = v.circuit.axes[index_of(population.axes[a])].name;
       names_.add_variable("side." + axis, kWord, kFirstSide + a);
@@ -68,7 +70,7 @@ class ParameterEvaluator {
       }
       dimension = found;
       for_each_side({}, [&](Instance& instance) {
-        (keyed.key.text == "x" ? instance.x : instance.y) = spread(evaluate(typed, instance));
+        (keyed.key.text == "x" ? instance.x : instance.y) = spread(evaluate(typed, keyed.key.text, instance));
       });
     }
     population_.position_dimension = dimension;
@@ -98,7 +100,7 @@ class ParameterEvaluator {
     }
     bool is_sound = true;
     for_each_side(side, [&](Instance& instance) {
-      std::vector<double> values = evaluate(typed, instance);
+      std::vector<double> values = evaluate(typed, keyed.key.text, instance);
       const bool is_plain = typed.front().dimension.is_number();
       for (double& value : values) {
         value = is_plain ? value : from_coherent(value, unit);
@@ -166,7 +168,9 @@ class ParameterEvaluator {
   }
 
   /// One value for all neurons, or one a neuron.
-  std::vector<double> evaluate(const std::vector<TypedExpression>& typed, const Instance& instance) {
+  std::vector<double> evaluate(const std::vector<TypedExpression>& typed, const std::string& name,
+                               const Instance& instance) {
+    draw(typed, name);
     if (typed.size() == 1) {
       return evaluate_for(typed.front(), instance);
     }
@@ -211,6 +215,22 @@ class ParameterEvaluator {
     for (std::uint32_t i = 0; i < population_.size; ++i) {
       columns_[kIndex].push_back(i);
       columns_[kPosition].push_back((i + 0.5) / population_.size);
+    }
+  }
+
+  /// A number in [0, 1) for each neuron, keyed by population and parameter, so that the two sides of a pair are alike.
+  void draw(const std::vector<TypedExpression>& typed, const std::string& name) {
+    const bool is_used = std::any_of(typed.begin(), typed.end(), [](const TypedExpression& expression) {
+      const std::vector<std::uint32_t> slots = slots_read(expression);
+      return std::find(slots.begin(), slots.end(), kRandom) != slots.end();
+    });
+    if (!is_used) {
+      return;
+    }
+    const RandomStream random(v_.circuit.seed, "neurons\n" + population_.name + "\n" + name);
+    columns_[kRandom].resize(population_.size);
+    for (std::uint32_t i = 0; i < population_.size; ++i) {
+      columns_[kRandom][i] = random.uniform(i);
     }
   }
 

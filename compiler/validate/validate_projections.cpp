@@ -301,6 +301,7 @@ class ProjectionValidator {
     names_.add_variable("post.size", kNumber, kPostSize);
     names_.add_variable("pre.pos", kNumber, kPrePosition);
     names_.add_variable("post.pos", kNumber, kPostPosition);
+    names_.add_variable("random", kNumber, kPairRandom);
     place_names();
   }
 

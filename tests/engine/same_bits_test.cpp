@@ -14,7 +14,7 @@ namespace tectum::test {
 namespace {
 
 constexpr std::uint64_t kCircuits = 512;
-constexpr std::uint64_t kTicks = 300;
+constexpr std::uint64_t kTicks = 160;
 constexpr std::uint64_t kTicksOfThreads = 60;  // threads meet twice a slice, which is slow on a busy machine
 constexpr SweepStrategy kSweeps[] = {SweepStrategy::Automatic, SweepStrategy::Dense, SweepStrategy::Sparse};
 constexpr SimdLevel kSimd[] = {SimdLevel::Portable, SimdLevel::Avx2, SimdLevel::Avx512};

@@ -219,7 +219,7 @@ ImageContents random_image(std::uint64_t seed) {
   TestNetwork network;
   network.seed = seed;
   add_trains(draws, network);
-  const bool is_large = seed % 16 == 15;
+  const bool is_large = seed % 32 == 31;
   const std::uint32_t populations = draws.between(1, is_large ? 2 : 5);
   for (std::uint32_t p = 0; p < populations; ++p) {
     const std::uint32_t size = is_large ? draws.between(4000, 17000) : draws.between(1, draws.one_in(3) ? 400 : 70);

@@ -8,7 +8,7 @@
 namespace tectum::test {
 
 /// One to six populations of any model with random parameters, wired at random with delays from 0 (only
-/// forwards, so that no cycle comes of it) to thousands of ticks. One seed in 16 makes groups that are
+/// forwards, so that no cycle comes of it) to thousands of ticks. One seed in 32 makes groups that are
 /// large enough to be divided among threads. The same seed gives the same circuit on every machine.
 [[nodiscard]] ImageContents random_image(std::uint64_t seed);
 

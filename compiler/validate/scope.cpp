@@ -41,8 +41,8 @@ const Environment& varying_names() {
   static const Environment kNames = [] {
     Environment names;
     std::uint32_t slot = 0;
-    for (const char* name :
-         {"index", "pos", "size", "random", "pre.index", "post.index", "pre.size", "post.size", "pre.pos", "post.pos"}) {
+    for (const char* name : {"index", "pos", "size", "random", "pre.index", "post.index", "pre.size", "post.size",
+                             "pre.pos", "post.pos"}) {
       names.add_variable(name, kNumber, slot++);
     }
     for (const char* name : {"x", "y", "ecc", "pre.x", "pre.y", "pre.ecc", "post.x", "post.y", "distance"}) {

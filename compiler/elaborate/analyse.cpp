@@ -45,7 +45,8 @@ class Analysis {
     }
     for (std::size_t i = 0; i < is_driven.size(); ++i) {
       const NetworkPopulation& population = network_.populations[i];
-      is_driven[i] = is_driven[i] || is_source(population.model) || has_bias(population);
+      is_driven[i] =
+          is_driven[i] || is_source(population.model) || population.model == ModelKind::Program || has_bias(population);
     }
     report_missing(Code::Undriven, is_driven);
   }

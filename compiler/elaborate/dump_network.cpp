@@ -12,8 +12,9 @@ std::string dump_network(const Network& network, std::size_t max_synapses) {
   std::string text = fmt::format("network {}: {} neurons, {} synapses, tick {} ns, seed {}\n", network.name,
                                  network.neuron_count(), network.synapses.size(), network.tick_ns, network.seed);
   for (const NetworkPopulation& population : network.populations) {
-    text += fmt::format("population {}: {} neurons from {}, {}", population.name, population.size,
-                        population.first_neuron, find_model(population.model)->name);
+    text +=
+        fmt::format("population {}: {} neurons from {}, {}", population.name, population.size, population.first_neuron,
+                    population.user_model ? population.user_model->info.name : find_model(population.model)->name);
     for (std::size_t r = 0; r < population.receptors.size(); ++r) {
       text += fmt::format(", {} in 2^{}", population.receptors[r].name, population.quantum_log2[r]);
     }

@@ -31,6 +31,7 @@ void add_populations(const Circuit& circuit, Network& network) {
     made.nucleus = population.nucleus;
     made.name_span = population.name_span;
     made.model = population.model;
+    made.user_model = population.user_model;
     made.may_sleep = population.may_sleep;
     made.first_neuron = next;
     made.size = population.size;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct NetworkPopulation {
   std::string nucleus;
   Span name_span;
   ModelKind model = ModelKind::LifExp;
+  std::shared_ptr<const UserModel> user_model;  // of ModelKind::Program
   bool may_sleep = false;
   std::uint32_t first_neuron = 0;
   std::uint32_t size = 0;

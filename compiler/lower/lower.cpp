@@ -8,6 +8,7 @@
 
 #include "compiler/elaborate/same_tick_order.h"
 #include "compiler/lower/lower_model.h"
+#include "compiler/lower/lower_program.h"
 #include "compiler/lower/lower_rows.h"
 
 namespace tectum {
@@ -103,6 +104,9 @@ class GroupLowering {
       silent.model = ModelKind::SpikeList;
       silent.size = group.size;
       lower_model(silent, network_.tick_ms(), image_, group);
+    } else if (population.user_model) {
+      lower_equations(population, begin, end, group);
+      add_receptors(p, begin, group);
     } else {
       lower_model(physics_of(population, begin, end), network_.tick_ms(), image_, group);
       add_receptors(p, begin, group);
@@ -118,6 +122,17 @@ class GroupLowering {
       group.data_count = static_cast<std::uint32_t>(image_.source_spikes.size()) - group.data_begin;
     }
     image_.groups.push_back(group);
+  }
+
+  void lower_equations(const NetworkPopulation& population, std::uint32_t begin, std::uint32_t end,
+                       GroupRecord& group) {
+    const ModelPhysics physics = physics_of(population, begin, end);
+    const EquationParameterValues values(physics.parameters.begin(), physics.parameters.end());
+    std::vector<EquationError> errors;
+    const auto program =
+        compile_equations(population.user_model->equations, values, physics.size, network_.tick_ms(), errors);
+    assert(program.has_value());  // validate has compiled it with the same values
+    lower_program(*program, physics.receptors, network_.tick_ms(), image_, group);
   }
 
   void add_receptors(std::uint32_t p, std::uint32_t begin, GroupRecord& group) {

@@ -67,6 +67,26 @@ struct ReceptorDecl {
   std::optional<ValueDecl> window;
 };
 
+struct NamedValueDecl {
+  NameDecl name;
+  ValueDecl value;
+};
+
+/// A neuron model by its equations.
+struct ModelDecl {
+  NameDecl name;
+  std::vector<NamedValueDecl> parameters;
+  std::vector<NamedValueDecl> inputs;  // receptor: unit
+  std::vector<NamedValueDecl> states;  // with initial values
+  std::vector<NamedValueDecl> equations;
+  ValueDecl threshold;
+  std::vector<NamedValueDecl> reset;
+  std::optional<ValueDecl> refractory;
+  std::optional<std::vector<NameDecl>> hold;
+  std::optional<NameDecl> method;
+  ProvenanceDecl provenance;
+};
+
 struct NeuronDecl {
   NameDecl name;
   std::optional<NameDecl> extends;
@@ -232,6 +252,7 @@ struct CircuitDecl {
   std::vector<ReferenceDecl> references;
   std::vector<ParameterDecl> parameters;
   std::vector<AxisDecl> axes;
+  std::vector<ModelDecl> models;
   std::vector<NeuronDecl> neurons;
   std::vector<PopulationDecl> populations;
   std::vector<ProjectionDecl> projections;

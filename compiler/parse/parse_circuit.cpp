@@ -43,8 +43,8 @@ std::set<std::string> poisoned_sections(const JsonTree& tree) {
     }
     has_strange_section = has_strange_section || (!is_section(node.key) && node.kind == JsonKind::Object);
   }
-  for (const char* key : {"references", "parameters", "axes", "neurons", "populations", "projections", "inputs",
-                          "outputs", "joints", "lesions", "modules", "instances"}) {
+  for (const char* key : {"references", "parameters", "axes", "models", "neurons", "populations", "projections",
+                          "inputs", "outputs", "joints", "lesions", "modules", "instances"}) {
     const bool is_read =
         tree.find(tree.root(), key) != JsonId::None || find_misspelt_section(tree, tree.root(), key) != JsonId::None;
     if (!tree.is_whole || (has_strange_section && !is_read)) {
@@ -74,6 +74,7 @@ std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& so
   decl.references = parse_section(context, reader, "references", parse_reference);
   decl.parameters = parse_section(context, reader, "parameters", parse_parameter);
   decl.axes = parse_section(context, reader, "axes", parse_axis);
+  decl.models = parse_section(context, reader, "models", parse_model);
   decl.neurons = parse_section(context, reader, "neurons", parse_neuron);
   decl.populations = parse_section(context, reader, "populations", parse_population);
   decl.projections = parse_section(context, reader, "projections", parse_projection);

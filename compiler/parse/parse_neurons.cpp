@@ -62,6 +62,8 @@ std::vector<InputUseDecl> parse_input_use(const SectionContext& context, ObjectR
 
 }  // namespace
 
+std::string quoted_key(std::string_view key) { return fmt::format("`{}`", key); }
+
 std::string described(std::string_view kind, const NameDecl& name) { return fmt::format("{} `{}`", kind, name.text); }
 
 ReferenceDecl parse_reference(const SectionContext& context, const Member& member) {

@@ -29,12 +29,15 @@ class ObjectReader;
 /// "exceptions": { "left": { "weight": "2 nA" } } of a population or a projection.
 std::vector<ExceptionDecl> parse_exceptions(const SectionContext& context, ObjectReader& owner);
 
+/// "`size`".
+[[nodiscard]] std::string quoted_key(std::string_view key);
 /// "population `EBN`".
 [[nodiscard]] std::string described(std::string_view kind, const NameDecl& name);
 
 ReferenceDecl parse_reference(const SectionContext& context, const Member& member);
 ParameterDecl parse_parameter(const SectionContext& context, const Member& member);
 AxisDecl parse_axis(const SectionContext& context, const Member& member);
+ModelDecl parse_model(const SectionContext& context, const Member& member);
 NeuronDecl parse_neuron(const SectionContext& context, const Member& member);
 PopulationDecl parse_population(const SectionContext& context, const Member& member);
 ProjectionDecl parse_projection(const SectionContext& context, const Member& member);

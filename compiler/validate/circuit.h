@@ -6,12 +6,14 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "compiler/expression/expression.h"
 #include "compiler/source/source_file.h"
+#include "compiler/validate/user_model.h"
 #include "runtime/image/spike_image.h"
 
 namespace tectum {
@@ -45,6 +47,7 @@ struct Population {
   Span name_span;
   std::string nucleus;  // empty when none is given
   ModelKind model = ModelKind::LifExp;
+  std::shared_ptr<const UserModel> user_model;  // of ModelKind::Program
   bool may_sleep = false;
   bool may_mix_signs = false;  // the circuit says why it both excites and inhibits
   std::uint32_t size = 0;      // of each side
@@ -67,6 +70,9 @@ struct Instance {
   std::vector<double> ecc;  // retina: deg between the field's ray and the axis
   std::optional<RetinaId> retina;
 };
+
+/// The population's model, built in or declared by the circuit.
+[[nodiscard]] const ModelInfo& model_of(const Population& population);
 
 enum class RuleKind : std::uint8_t { OneToOne, AllToAll, FixedProbability, FixedInDegree, FixedOutDegree, EdgeList };
 enum class Relation : std::uint8_t { Ipsi, Contra, Both };

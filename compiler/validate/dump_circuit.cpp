@@ -31,7 +31,7 @@ std::string dump_circuit(const Circuit& circuit) {
   std::string text = fmt::format("circuit {}, tick {} ns, seed {}\n", circuit.name, circuit.tick_ns, circuit.seed);
   for (const Population& population : circuit.populations) {
     text += fmt::format("population {}: {} x {} {}, receptors", population.name, population.instance_count,
-                        population.size, find_model(population.model)->name);
+                        population.size, model_of(population).name);
     for (const Receptor& receptor : population.receptors) {
       text += fmt::format(" {} ({}", receptor.name, receptor_kind_name(receptor.kind));
       text += receptor.kind == ReceptorKind::Exponential ? fmt::format(" {:g} ms)", receptor.tau_ms)

@@ -16,7 +16,10 @@ namespace {
 enum NeuronVariable : std::uint32_t { kIndex, kPosition, kSize, kRandom, kX, kY, kEccentricity, kFirstSide };
 
 /// The model's unit as dimension and scale. Units with a product below the line are written with brackets there.
-Unit unit_of(const ParameterInfo& info) {
+Unit unit_of(const ParameterInfo& info, const Population& population) {
+  if (population.user_model) {
+    return {*population.user_model->equations.parameter_dimension(info.name), 0, 1};  // coherent
+  }
   if (info.unit == "1/(mV ms)") {
     return {*divide(kNumber, *multiply(kVoltage, kTime)), 0, 1};
   }
@@ -84,7 +87,7 @@ class ParameterEvaluator {
     if (typed.empty()) {
       return;
     }
-    const Unit unit = unit_of(info);
+    const Unit unit = unit_of(info, population_);
     for (std::size_t i = 0; i < typed.size(); ++i) {
       // The literature writes Izhikevich's coefficients as plain numbers, in mV and ms.
       const bool takes_plain = model_.kind == ModelKind::Izhikevich && typed[i].dimension.is_number();
@@ -246,12 +249,14 @@ class ParameterEvaluator {
         report_range(keyed, info, value);
         return false;
       }
-      if (info.name == "t_ref" && v_.scope.knows_tick && !whole_ticks(value, v_.circuit.tick_ns)) {
+      if (!population_.user_model && info.name == "t_ref" && v_.scope.knows_tick &&
+          !whole_ticks(value, v_.circuit.tick_ns)) {
         v_.diagnostics().add(Code::TimeNotTicks, keyed.span,
                              {"t_ref", shown(value, kTime), shown(v_.circuit.tick_ms(), kTime)});
         return false;
       }
-      if (info.name == "rate" && v_.scope.knows_tick && value * v_.circuit.tick_ms() > 1000 * (1 + 1e-9)) {
+      if (!population_.user_model && info.name == "rate" && v_.scope.knows_tick &&
+          value * v_.circuit.tick_ms() > 1000 * (1 + 1e-9)) {
         v_.diagnostics().add(Code::OutOfRange, keyed.span,
                              {"rate", fmt::format("{:g} Hz", value),
                               fmt::format("at most one spike a tick, {:g} Hz", 1000 / v_.circuit.tick_ms())});
@@ -289,7 +294,7 @@ double effective(const Instance& instance, const ModelInfo& model, const char* n
 
 void check_reset(Validation& v, const Population& population, const ModelInfo& model,
                  const std::vector<KeyedValue>& parameters, Span span) {
-  if (!find_parameter(model, "V_reset")) {
+  if (population.user_model || !find_parameter(model, "V_reset")) {
     return;
   }
   for (const KeyedValue& keyed : parameters) {

@@ -45,8 +45,15 @@ class NeuronOrder {
     if (decl.model) {
       neuron.model_name = *decl.model;
       neuron.model = find_model(decl.model->text);
-      if (neuron.model == nullptr || neuron.model->kind == ModelKind::FieldSource) {
-        if (!decl.model->is_poisoned) {
+      neuron.user_model = nullptr;
+      if (const auto user = v_.user_models.find(decl.model->text); user != v_.user_models.end()) {
+        neuron.user_model = user->second;
+        neuron.model = user->second ? &user->second->info : nullptr;
+        is_sound = is_sound && user->second;  // a wrong one has been reported
+      }
+      const bool is_declared = v_.user_models.count(decl.model->text) != 0;
+      if (!is_declared && (neuron.model == nullptr || neuron.model->kind == ModelKind::FieldSource)) {
+        if (v_.can_report(*decl.model, "models")) {
           report_model(*decl.model);
         }
         is_sound = false;
@@ -89,6 +96,10 @@ class NeuronOrder {
         names.emplace_back(info.name);
         list += fmt::format("{}{}", list.empty() ? "" : ", ", info.name);
       }
+    }
+    for (const auto& [name, user] : v_.user_models) {
+      names.push_back(name);
+      list += ", " + name;
     }
     const auto nearest = nearest_name(model.text, names);
     auto builder = v_.diagnostics().add(Code::UnknownModel, model.span, {model.text});
@@ -216,6 +227,27 @@ void apply_shorthand(Validation& v, const ModelInfo& model, const char* key, con
   parameters.erase(found);
 }
 
+/// A declared model has a receptor for each of its inputs; the neuron type says what they make of arrivals.
+std::vector<Receptor> input_receptors(Validation& v, const ResolvedNeuron& neuron) {
+  std::vector<Receptor> receptors;
+  std::vector<std::string> names;
+  for (const EquationInput& input : neuron.user_model->equations.inputs) {
+    receptors.push_back({input.name, ReceptorKind::Instantaneous, 0, 0});
+    names.push_back(input.name);
+  }
+  for (const ReceptorDecl& decl : neuron.receptors) {
+    const auto found = std::find(names.begin(), names.end(), decl.name.text);
+    if (found == names.end()) {
+      v.diagnostics()
+          .add(Code::UnknownReceptor, decl.name.span, {std::string(neuron.model->name), decl.name.text})
+          .help(fmt::format("its inputs are {}", fmt::join(names, ", ")));
+    } else {
+      receptors[static_cast<std::size_t>(found - names.begin())] = make_receptor(v, decl, neuron);
+    }
+  }
+  return receptors;
+}
+
 }  // namespace
 
 std::vector<std::optional<ResolvedNeuron>> resolve_neurons(Validation& v) { return NeuronOrder(v).run(); }
@@ -230,6 +262,9 @@ std::vector<Receptor> resolve_receptors(Validation& v, const ResolvedNeuron& neu
                           {std::string(model.name), "own"});
     }
     return receptors;
+  }
+  if (neuron.user_model) {
+    return input_receptors(v, neuron);
   }
   for (const ReceptorDecl& decl : neuron.receptors) {
     receptors.push_back(make_receptor(v, decl, neuron));

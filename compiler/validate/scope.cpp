@@ -55,14 +55,14 @@ const Environment& varying_names() {
   return kNames;
 }
 
-Span file_span(const ValueDecl& value, ExprSpan span) {
+}  // namespace
+
+Span span_in_file(const ValueDecl& value, ExprSpan span) {
   if (!value.has_exact_offsets || value.is_number) {
     return value.span;
   }
   return {value.span.file, value.span.begin + span.begin, value.span.begin + span.end};
 }
-
-}  // namespace
 
 std::string shown(double coherent, const Dimension& dimension) { return format_quantity({coherent, dimension}); }
 
@@ -84,13 +84,13 @@ void Scope::report(const ValueDecl& value, const std::vector<ExprError>& errors)
         continue;
       }
       if (const auto why = absent.find(name); why != absent.end()) {
-        diagnostics_.add(Code::NoGeometry, file_span(value, error.span), {why->second});
+        diagnostics_.add(Code::NoGeometry, span_in_file(value, error.span), {why->second});
         continue;
       }
     }
-    auto builder = diagnostics_.add(code_of(error.code), file_span(value, error.span), {error.message});
+    auto builder = diagnostics_.add(code_of(error.code), span_in_file(value, error.span), {error.message});
     if (error.other) {
-      builder.label(file_span(value, *error.other), error.other_label);
+      builder.label(span_in_file(value, *error.other), error.other_label);
     }
     if (!error.help.empty()) {
       builder.help(error.help);

@@ -41,6 +41,7 @@ class Scope {
                                      std::uint64_t highest);
   /// A time that is a whole number of ticks.
   std::optional<std::uint64_t> ticks(const ValueDecl& value, std::string_view key, std::uint64_t tick_ns);
+  void report(const ValueDecl& value, const std::vector<ExprError>& errors);
   void report_dimension(const ValueDecl& value, std::string_view key, const Dimension& wanted, const Dimension& found);
 
   Diagnostics& diagnostics() { return diagnostics_; }
@@ -49,11 +50,12 @@ class Scope {
   void keep_silent() { ++silent_count_; }
 
  private:
-  void report(const ValueDecl& value, const std::vector<ExprError>& errors);
-
   Diagnostics& diagnostics_;
   std::size_t silent_count_ = 0;
 };
+
+/// Where a part of the value's text stands in the file.
+[[nodiscard]] Span span_in_file(const ValueDecl& value, ExprSpan span);
 
 /// Ticks in `time_ms` when that is a whole number of them (to 1e-6 of a tick).
 [[nodiscard]] std::optional<std::uint64_t> whole_ticks(double time_ms, std::uint64_t tick_ns);

@@ -37,6 +37,10 @@ void validate_time(Validation& v) {
 
 }  // namespace
 
+const ModelInfo& model_of(const Population& population) {
+  return population.user_model ? population.user_model->info : *find_model(population.model);
+}
+
 bool Validation::knows_all(std::string_view section) const {
   return decl.poisoned_sections.count(std::string(section)) == 0;
 }
@@ -95,12 +99,13 @@ void validate_axes(Validation& v) {
 }
 
 std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overrides, Diagnostics& diagnostics) {
-  Validation v{decl, overrides, Scope(diagnostics), {}, {}, {}, {}, {}, {}, {}, {}};
+  Validation v{decl, overrides, Scope(diagnostics), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   v.circuit.name = decl.name.text;
   v.circuit.has_references = !decl.references.empty();
   validate_axes(v);
   validate_parameters(v);
   validate_time(v);
+  validate_models(v);
   validate_retinas(v);
   validate_populations(v);
   validate_projections(v);

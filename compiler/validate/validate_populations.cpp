@@ -75,9 +75,13 @@ class PopulationValidator {
     if (neuron_number_) {
       is_used_[*neuron_number_] = true;
     }
+    const std::size_t trouble_before = v_.scope.trouble_count();
     const bool knows_places =
         apply_parameters(v_, population, *model, {parameters, decl.exceptions, decl.position}, decl.name);
     is_usable_ = is_usable_ && knows_places;
+    if (population.user_model && v_.scope.trouble_count() == trouble_before) {
+      check_user_model(v_, population, decl.name);
+    }
   }
 
   /// A neuron type that no population brought this far is checked on a population of one.
@@ -98,6 +102,7 @@ class PopulationValidator {
       Population trial;
       trial.name = neurons_[i]->name.text;
       trial.model = neurons_[i]->model->kind;
+      trial.user_model = neurons_[i]->user_model;
       trial.size = 1;
       trial.first_instance = static_cast<InstanceId>(v_.circuit.instances.size());
       v_.circuit.instances.emplace_back();
@@ -170,6 +175,7 @@ class PopulationValidator {
           *same = over;
         }
       }
+      population.user_model = neurons_[i]->user_model;
       population.receptors = resolve_receptors(v_, *neurons_[i], parameters);
       is_usable_ = is_usable_ && !neurons_[i]->has_poisoned_receptors;
       return neurons_[i]->model;

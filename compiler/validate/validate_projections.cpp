@@ -405,7 +405,7 @@ class ProjectionValidator {
       const Population& target = population(to);
       const NameDecl& name = decl_.to[i];
       if (target.receptors.empty()) {
-        v_.diagnostics().add(Code::NoReceptor, name.span, {target.name, std::string(find_model(target.model)->name)});
+        v_.diagnostics().add(Code::NoReceptor, name.span, {target.name, std::string(model_of(target).name)});
         is_sound_ = false;
         continue;
       }
@@ -440,8 +440,12 @@ class ProjectionValidator {
     }
   }
 
-  static std::optional<Unit> weight_unit(const Population& target) {
-    return parse_unit(find_model(target.model)->weight_unit);
+  [[nodiscard]] Unit weight_unit(const Endpoint& to) const {
+    const Population& target = population(to);
+    if (target.user_model) {
+      return {target.user_model->equations.inputs[to.receptor].dimension, 0, 1};
+    }
+    return parse_unit(find_model(target.model)->weight_unit).value_or(Unit{});
   }
 
   void weight() {
@@ -449,9 +453,9 @@ class ProjectionValidator {
       return;
     }
     made_.weight_span = decl_.weight->span;
-    const Unit unit = weight_unit(population(made_.to.front())).value_or(Unit{});
+    const Unit unit = weight_unit(made_.to.front());
     for (std::size_t i = 1; i < made_.to.size(); ++i) {
-      if (weight_unit(population(made_.to[i]))->dimension != unit.dimension) {
+      if (weight_unit(made_.to[i]).dimension != unit.dimension) {
         v_.diagnostics()
             .add(Code::MixedUnits, decl_.to[i].span, {decl_.to.front().text, decl_.to[i].text})
             .help("write one projection for each");

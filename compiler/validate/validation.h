@@ -23,6 +23,7 @@ struct ResolvedNeuron {
   std::vector<KeyedValue> parameters;  // nearest declaration of each key
   std::vector<ReceptorDecl> receptors;
   bool has_poisoned_receptors = false;
+  std::shared_ptr<const UserModel> user_model;  // when the circuit declares the model
 };
 
 struct Validation {
@@ -36,6 +37,7 @@ struct Validation {
   std::vector<bool> is_sound;     // population by population: model, size, sides and places are known
   std::vector<bool> knows_sides;  // population by population
   std::vector<bool> is_sound_axis;
+  std::map<std::string, std::shared_ptr<const UserModel>, std::less<>> user_models;  // null: wrong
   std::map<std::string, std::uint32_t, std::less<>> retina_of;
   std::vector<bool> is_sound_retina;
 
@@ -51,6 +53,9 @@ struct Validation {
 
 void validate_parameters(Validation& v);
 void validate_axes(Validation& v);
+void validate_models(Validation& v);
+/// Compiles the equations with the population's own parameters, so that lowering cannot fail.
+void check_user_model(Validation& v, const Population& population, const NameDecl& owner);
 void validate_retinas(Validation& v);
 void validate_populations(Validation& v);
 void validate_projections(Validation& v);

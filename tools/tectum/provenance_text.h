@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "compiler/compile.h"
+
+namespace tectum {
+
+/// What cites no source: neuron types, populations and projections, each with its place, and what share of the
+/// synapses the uncited projections make. Needs: a result with its network.
+[[nodiscard]] std::string provenance_text(const CompileResult& result);
+
+}  // namespace tectum

@@ -41,4 +41,9 @@ std::unique_ptr<EyeVideoWriter> EyeVideoWriter::open(const VideoWriterParams& pa
   return std::unique_ptr<EyeVideoWriter>(function != nullptr ? function(params, error) : nullptr);
 }
 
+std::unique_ptr<FrameSource> open_camera_device(const CameraDeviceParams& params, std::string& error) {
+  auto* const function = find_function<decltype(tectum_open_camera_device)>("tectum_open_camera_device", error);
+  return std::unique_ptr<FrameSource>(function != nullptr ? function(params, error) : nullptr);
+}
+
 }  // namespace tectum

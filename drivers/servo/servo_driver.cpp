@@ -90,7 +90,7 @@ struct ServoDriver::Impl {
 
   mutable std::mutex shared_mutex;  // for people, not for the loop
   HeadReport shared_report;
-  LatencyHistogram latency;
+  LatencyHistogram latency, issue_latency;
 
   std::thread thread;
 };
@@ -139,7 +139,9 @@ ExchangeStatus ServoDriver::Impl::send_newest() {
   }
   const ExchangeStatus status = exchange->send(handed.command);
   const std::lock_guard lock(shared_mutex);
-  latency.add(monotonic_ns() - handed.handed_ns);
+  const TimeNs sent_ns = monotonic_ns();
+  latency.add(sent_ns - handed.handed_ns);
+  issue_latency.add(sent_ns - handed.command.issued_ns);
   return status;
 }
 
@@ -290,6 +292,11 @@ std::vector<ServoEvent> ServoDriver::take_events() { return impl_->events.take()
 LatencyHistogram ServoDriver::command_latency() const {
   const std::lock_guard lock(impl_->shared_mutex);
   return impl_->latency;
+}
+
+LatencyHistogram ServoDriver::issue_latency() const {
+  const std::lock_guard lock(impl_->shared_mutex);
+  return impl_->issue_latency;
 }
 
 }  // namespace tectum

@@ -65,6 +65,8 @@ class ServoDriver final : public ServoBus {
   [[nodiscard]] std::vector<ServoEvent> take_events();
   /// From write() to the command's last byte being in the kernel's hands.
   [[nodiscard]] LatencyHistogram command_latency() const;
+  /// The same from ServoCommand::issued_ns, for a loop on CLOCK_MONOTONIC.
+  [[nodiscard]] LatencyHistogram issue_latency() const;
 
  private:
   struct Impl;

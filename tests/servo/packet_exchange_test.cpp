@@ -79,6 +79,26 @@ TEST_CASE("degrees become units and back, in the joint's direction and inside it
   CHECK_FALSE(units_of(joint, std::numeric_limits<double>::quiet_NaN()).has_value());
 }
 
+TEST_CASE("a bent map is undone to the unit, and one that turns back is noticed") {
+  ServoJoint joint;
+  joint.home_units = 500;
+  joint.direction = -1;
+  joint.min_units = 300;
+  joint.max_units = 700;
+  joint.bend_deg = {0.5, -0.7, 0.1};
+  REQUIRE(is_monotonic(joint));
+  CHECK(deg_of(joint, 600) == doctest::Approx(-(100 * joint.deg_per_unit + 0.5 - 0.7 + 0.1)));
+  CHECK(deg_of(joint, 300) == doctest::Approx(-(-200 * joint.deg_per_unit + 0.5 * 4 + 0.7 * 8 + 0.1 * 16)));
+  for (int units = 300; units <= 700; ++units) {
+    CHECK(*units_of(joint, deg_of(joint, units)) == units);
+  }
+  CHECK(*units_of(joint, 1000) == 300);
+  CHECK(*units_of(joint, -1000) == 700);
+  CHECK_FALSE(units_of(joint, std::numeric_limits<double>::infinity()).has_value());
+  joint.bend_deg[0] = 10;
+  CHECK_FALSE(is_monotonic(joint));
+}
+
 TEST_CASE("servos are found, moved and measured, and none of them hears of a joint that is not meant") {
   Bench bench;
   CHECK(bench.exchange->begin() == ExchangeStatus::RoundOver);

@@ -38,6 +38,16 @@ DotColour colour_for(LitChannel channel) {
   }
 }
 
+}  // namespace
+
+SimHeadParams fitted_to(const SpikeImage& image, SimHeadParams head) {
+  if (!image.retinas.empty()) {
+    head.camera.field_of_view_deg = image.retinas.front().field_of_view_deg;
+    head.camera.dot_colour = colour_for(image.retinas.front().lit_channel);
+  }
+  return head;
+}
+
 void add_truth(const HeadTruth& truth, RecordedFrame& frame) {
   frame.has_truth = true;
   frame.target_on_wall_m = truth.target_on_wall_m;
@@ -51,16 +61,6 @@ void add_truth(const HeadTruth& truth, RecordedFrame& frame) {
                       .gaze_tilt_deg = gaze.gaze_tilt_deg,
                       .gaze_on_wall_m = gaze.gaze_on_wall_m};
   }
-}
-
-}  // namespace
-
-SimHeadParams fitted_to(const SpikeImage& image, SimHeadParams head) {
-  if (!image.retinas.empty()) {
-    head.camera.field_of_view_deg = image.retinas.front().field_of_view_deg;
-    head.camera.dot_colour = colour_for(image.retinas.front().lit_channel);
-  }
-  return head;
 }
 
 Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions& options, const RunObserver& observer) {

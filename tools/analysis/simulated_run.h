@@ -20,6 +20,9 @@ struct SimulatedRunOptions {
 /// that it calls lit. Without a retina the parameters come back as they are.
 [[nodiscard]] SimHeadParams fitted_to(const SpikeImage& image, SimHeadParams head);
 
+/// What the simulated head knows of a turn and the loop does not.
+void add_truth(const HeadTruth& truth, RecordedFrame& frame);
+
 /// Called after every frame with the share of the run that is done, and the two eyes' pictures.
 struct RunObserver {
   std::function<void(double done)> progress;

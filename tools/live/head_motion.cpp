@@ -1,4 +1,4 @@
-#include "tools/tectum/head_motion.h"
+#include "tools/live/head_motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -16,6 +16,7 @@
 #include "tools/report/run_text.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/progress.h"
+#include "tools/tectum/run_on_head.h"
 #include "tools/tectum/tectum_main.h"
 #include "tools/tectum/video_text.h"
 
@@ -37,6 +38,7 @@ struct RunArguments {
   std::string dot;
   std::size_t lines = 40;
   std::string record_folder, report_path, picture_path, render_path;
+  HeadArguments head;
 };
 
 constexpr double kDefaultDurationS = 60;
@@ -95,6 +97,7 @@ void add_output_options(CLI::App& command, RunArguments& arguments) {
       "  tectum run circuits/oculomotor.json                               a minute of random targets\n"
       "  tectum run circuits/oculomotor.json --scenario step --duration 32 --report out/step.html\n"
       "  tectum run circuits/oculomotor.json --video left.avi right.avi --record out/recording\n"
+      "  tectum run circuits/oculomotor.json --head circuits/heads/emulated.json     in real time, over a serial port\n"
       "  tectum run circuits/oculomotor.json --noise 8 --clutter --render out/eyes.mp4\n"
       "  tectum run circuits/oculomotor.json --lesion OPN --format json    what is lost without the omnipause "
       "neurons\n");
@@ -225,7 +228,8 @@ void write_files(const Recording& recording, const RunArguments& arguments, doub
   if (!arguments.record_folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(arguments.record_folder, error);
-    std::string problem = write_recording(recording, arguments.record_folder + "/run.trec");
+    const bool is_written = !arguments.head.path.empty();  // while it ran
+    std::string problem = is_written ? "" : write_recording(recording, arguments.record_folder + "/run.trec");
     if (problem.empty()) {
       problem = write_recording_csv(recording, arguments.record_folder);
     }
@@ -246,10 +250,30 @@ void write_files(const Recording& recording, const RunArguments& arguments, doub
   }
 }
 
+std::optional<Recording> run_real_time(const SpikeImage& image, const RunArguments& arguments, CommandContext& context,
+                                       std::string& figures) {
+  HeadRunRequest request;
+  request.head = arguments.head;
+  request.simulation = simulation_of(image, arguments);
+  request.duration_s = request.simulation.duration_s;
+  if (!arguments.record_folder.empty()) {
+    std::error_code ignored;
+    std::filesystem::create_directories(arguments.record_folder, ignored);
+    request.record_path = arguments.record_folder + "/run.trec";
+  }
+  return run_on_head(image, request, context, figures);
+}
+
 void run(const RunArguments& arguments, CommandContext& context) {
   const bool is_video = !arguments.video.empty();
   if (is_video && !arguments.render_path.empty()) {
     context.err << "tectum: --render writes what the simulated cameras see; it does not go with --video\n";
+    context.exit_status = kExitUsage;
+    return;
+  }
+  const bool is_head = !arguments.head.path.empty();
+  if (is_head && (is_video || !arguments.render_path.empty())) {
+    context.err << "tectum: --head runs on the cameras of the head file; it does not go with --video or --render\n";
     context.exit_status = kExitUsage;
     return;
   }
@@ -258,8 +282,10 @@ void run(const RunArguments& arguments, CommandContext& context) {
     return;
   }
   const auto begin = std::chrono::steady_clock::now();
-  const std::optional<Recording> recording =
-      is_video ? run_video(*image, arguments, context) : run_head(*image, arguments, context);
+  std::string figures;
+  const std::optional<Recording> recording = is_head    ? run_real_time(*image, arguments, context, figures)
+                                             : is_video ? run_video(*image, arguments, context)
+                                                        : run_head(*image, arguments, context);
   if (!recording) {
     return;
   }
@@ -273,8 +299,12 @@ void run(const RunArguments& arguments, CommandContext& context) {
       context.out << video_text(*recording, arguments.lines);
     }
     context.out << run_table_text(summary);
-    context.err << fmt::format("{:.0f} s in {:.2f} s: {:.0f} times real time\n", recording->duration_s, wall_s,
-                               times_real_time);
+    if (is_head) {
+      context.out << '\n' << figures;
+    } else {
+      context.err << fmt::format("{:.0f} s in {:.2f} s: {:.0f} times real time\n", recording->duration_s, wall_s,
+                                 times_real_time);
+    }
   }
   write_files(*recording, arguments, times_real_time, context);
 }
@@ -282,11 +312,12 @@ void run(const RunArguments& arguments, CommandContext& context) {
 }  // namespace
 
 void add_run_command(CLI::App& app, CommandContext& context) {
-  CLI::App* command = app.add_subcommand("run", "run a circuit on the simulated head, or on recorded video");
+  CLI::App* command = app.add_subcommand("run", "run a circuit on the simulated head, on recorded video, or on a head");
   auto arguments = std::make_shared<RunArguments>();
   add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOrImage);
   add_world_options(*command, *arguments);
   add_output_options(*command, *arguments);
+  add_head_arguments(*command, arguments->head);
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

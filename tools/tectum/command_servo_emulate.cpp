@@ -14,8 +14,8 @@
 #include "drivers/servo/emulated_sketch.h"
 #include "drivers/servo/pty_device.h"
 #include "drivers/servo/servo_map.h"
+#include "tools/live/head_motion.h"
 #include "tools/tectum/command_servo.h"
-#include "tools/tectum/head_motion.h"
 #include "tools/tectum/tectum_main.h"
 
 namespace tectum {

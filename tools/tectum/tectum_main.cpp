@@ -23,6 +23,9 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_dump_command(app, context);
   add_fmt_command(app, context);
   add_run_command(app, context);
+  add_replay_command(app, context);
+  add_record_command(app, context);
+  add_calibrate_command(app, context);
   add_servo_command(app, context);
 
   std::vector<std::string> reversed(args.rbegin(), args.rend());

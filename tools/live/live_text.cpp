@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include "tools/live/live_run.h"
+
+namespace tectum {
+namespace {
+
+std::string latency_row(const char* what, const LatencyHistogram& histogram) {
+  const auto ms = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-6; };
+  return fmt::format("{:<34} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f}\n", what, ms(histogram.quantile_ns(0.5)),
+                     ms(histogram.quantile_ns(0.99)), ms(histogram.quantile_ns(0.999)), ms(histogram.longest_ns()));
+}
+
+}  // namespace
+
+std::string live_figures_text(const LiveRun& run) {
+  const LiveFigures& f = run.figures;
+  std::string text =
+      fmt::format("{:<34} {:>8} {:>8} {:>8} {:>8}\n", "latency (ms)", "median", "99 %", "99.9 %", "most");
+  text += latency_row("frames taken to last command byte", f.frame_to_last_byte);
+  text += latency_row("exposure to frames taken", f.exposure_to_turn);
+  text += latency_row("turn behind its schedule", f.lateness);
+  text += latency_row("left exposure to right", f.eye_skew);
+  constexpr std::array<const char*, 5> kStages = {"  read", "  encode", "  step", "  decode, guard", "  hand over"};
+  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+    text += latency_row(kStages[stage], f.stages[stage]);
+  }
+  text += fmt::format("\nmissed deadlines: {} of {} turns ({} late by a period or more, {} periods skipped)\n",
+                      f.missed_deadlines, f.loop.turns, f.loop.late_turns, f.loop.skipped_periods);
+  text += fmt::format("frames: left {}, right {}; refused {}; commands {} ({} not taken)\n", f.loop.frames[0],
+                      f.loop.frames[1], f.loop.refused_frames[0] + f.loop.refused_frames[1], f.head.commands,
+                      f.loop.failed_writes);
+  text += fmt::format("guard: {} limited, {} slewed, {} not finite, {} clock jumps, {} holds, {} servos lost\n",
+                      f.guard.limited, f.guard.slewed, f.guard.not_finite, f.guard.clock_jumps, f.guard.holds,
+                      f.guard.losses);
+  text += fmt::format("bus: {} questions, {} retries, {} failures, {} positions, {} not confirmed, {} reconnections\n",
+                      f.head.wire.requests, f.head.wire.retries, f.head.wire.failures, f.head.positions,
+                      f.head.unconfirmed, f.head.reconnections);
+  if (f.lost_frames > 0 || f.lost_spikes > 0) {
+    text += fmt::format("recorder: {} turns and {} spikes lost; the recording cannot be replayed\n", f.lost_frames,
+                        f.lost_spikes);
+  }
+  return text;
+}
+
+}  // namespace tectum

@@ -113,6 +113,9 @@ void LiveCamera::Impl::rest(TimeNs time_ns) {
 }
 
 void LiveCamera::Impl::run() {
+  if (options.in_thread) {
+    options.in_thread();
+  }
   const auto is_over = [this] {
     const std::lock_guard lock(mutex);
     return is_stopping;

@@ -42,6 +42,7 @@ struct LiveCameraOptions {
   int black_below = 0;         // a frame without one sample at or above this is black; 0: none is
   TimeNs silent_after_ns = 500'000'000;
   TimeNs reopen_every_ns = 500'000'000;
+  std::function<void()> in_thread = {};  // called first in the capture thread: its priority; may be empty
 };
 
 struct CameraEvent {

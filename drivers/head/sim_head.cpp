@@ -7,13 +7,6 @@
 namespace tectum {
 namespace {
 
-// All that a picture depends on, kept from the exposure until somebody reads the frame.
-struct Exposure {
-  std::uint64_t sequence = 0;
-  JointAngles joint_deg{};
-  WallPoint target_m{};
-};
-
 constexpr std::uint32_t kMostLatencyFrames = 15;
 constexpr std::uint32_t kKept = kMostLatencyFrames + 1;
 
@@ -39,6 +32,15 @@ struct SimHead::Impl {
           renderer_(world.params.camera, world.params.geometry, static_cast<std::uint32_t>(eye), std::move(wall)) {}
 
     CameraStatus read(TimeNs now_ns, Frame& out) noexcept override {
+      HeadExposure exposure;
+      const CameraStatus status = take(now_ns, exposure);
+      if (status == CameraStatus::NewFrame) {
+        draw(exposure, out);
+      }
+      return status;
+    }
+
+    CameraStatus take(TimeNs now_ns, HeadExposure& out) noexcept {
       const TimeNs period_ns = world_.params.frame_period_ns;
       const std::int64_t newest =
           std::min(now_ns, world_.now_ns) / period_ns - static_cast<std::int64_t>(world_.params.camera_latency_frames);
@@ -46,11 +48,15 @@ struct SimHead::Impl {
         return CameraStatus::NoNewFrame;
       }
       last_ = newest;
-      const Exposure& exposure = world_.exposures[static_cast<std::size_t>(newest) % kKept];
+      out = world_.exposures[static_cast<std::size_t>(newest) % kKept];
+      return CameraStatus::NewFrame;
+    }
+
+    void draw(const HeadExposure& exposure, Frame& out) noexcept {
       const EyePose pose = eye_pose(world_.params.geometry, exposure.joint_deg, eye_);
       const cv::Mat& picture = renderer_.render(pose, exposure.target_m, exposure.sequence);
-      out = {picture.data, picture.cols, picture.rows, picture.step, newest * period_ns, exposure.sequence};
-      return CameraStatus::NewFrame;
+      const TimeNs captured_ns = static_cast<TimeNs>(exposure.sequence) * world_.params.frame_period_ns;
+      out = {picture.data, picture.cols, picture.rows, picture.step, captured_ns, exposure.sequence};
     }
 
    private:
@@ -86,7 +92,7 @@ struct SimHead::Impl {
   std::vector<Ax12Plant> servos;
   TimeNs now_ns = 0;
   std::uint64_t next_exposure = 0;
-  std::array<Exposure, kKept> exposures{};
+  std::array<HeadExposure, kKept> exposures{};
   std::array<std::unique_ptr<View>, kEyeCount> views;
 };
 
@@ -130,6 +136,14 @@ void SimHead::sleep_until(TimeNs when_ns) noexcept {
 }
 
 Camera& SimHead::eye_camera(Eye eye) noexcept { return *impl_->views[index_of(eye)]; }
+
+CameraStatus SimHead::take_exposure(Eye eye, TimeNs now_ns, HeadExposure& out) noexcept {
+  return impl_->views[index_of(eye)]->take(now_ns, out);
+}
+
+void SimHead::draw(Eye eye, const HeadExposure& exposure, Frame& out) noexcept {
+  impl_->views[index_of(eye)]->draw(exposure, out);
+}
 
 HeadTruth SimHead::truth_at_now() {
   const HeadGeometry& geometry = impl_->params.geometry;

@@ -47,6 +47,13 @@ struct HeadTruth {
   std::array<EyeGaze, kEyeCount> eye{};
 };
 
+/// All that a picture depends on, taken at one moment and drawn later.
+struct HeadExposure {
+  std::uint64_t sequence = 0;
+  JointAngles joint_deg{};
+  WallPoint target_m{};
+};
+
 class SimHead final : public ServoBus, public Clock {
  public:
   explicit SimHead(const SimHeadParams& params);
@@ -62,6 +69,11 @@ class SimHead final : public ServoBus, public Clock {
 
   /// Belongs to the head. Draws the newest exposure that is ready when read; a frame that is never read is never drawn.
   [[nodiscard]] Camera& eye_camera(Eye eye) noexcept;
+
+  /// The same in two steps, for a head that threads share: the first touches what time moves, the second only the
+  /// eye's own picture, which stays until it is drawn again. An eye is read in one of the two ways.
+  [[nodiscard]] CameraStatus take_exposure(Eye eye, TimeNs now_ns, HeadExposure& out) noexcept;
+  void draw(Eye eye, const HeadExposure& exposure, Frame& out) noexcept;
 
   [[nodiscard]] HeadTruth truth_at_now();
   [[nodiscard]] const SimHeadParams& params() const noexcept;

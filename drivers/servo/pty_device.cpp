@@ -157,6 +157,9 @@ TimeNs PtyDevice::Impl::until_next_ns(TimeNs now) {
 }
 
 void PtyDevice::Impl::run() {
+  if (options.in_thread) {
+    options.in_thread();
+  }
   prctl(PR_SET_TIMERSLACK, 1UL);  // the default of 50 us is five bytes at 1 Mbps
   while (!is_stopping) {
     const TimeNs wait_ns = until_next_ns(now_ns());

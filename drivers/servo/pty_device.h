@@ -2,6 +2,7 @@
 // is the adapter with everything behind it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -10,8 +11,9 @@
 namespace tectum {
 
 struct PtyOptions {
-  std::string link_path;   // a symbolic link to the terminal, made new at every plug_in(); empty for none
-  bool has_timing = true;  // bytes leave when they are due; otherwise at once
+  std::string link_path;                 // a symbolic link to the terminal, made new at every plug_in(); empty for none
+  bool has_timing = true;                // bytes leave when they are due; otherwise at once
+  std::function<void()> in_thread = {};  // called first in the device's thread: its priority; may be empty
 };
 
 class PtyDevice {

@@ -168,6 +168,9 @@ void ServoDriver::Impl::converse() {
 }
 
 void ServoDriver::Impl::run() {
+  if (options.in_thread) {
+    options.in_thread();
+  }
   while (!is_stopping) {
     if (connect()) {
       is_connected = true;

@@ -35,7 +35,8 @@ struct ServoDriverOptions {
   std::uint32_t baud = 0;  // 0 = usual_baud(kind)
   TimeNs round_ns = 10'000'000;
   TimeNs reopen_every_ns = 500'000'000;
-  bool releases_at_end = true;  // torque off in stop()
+  bool releases_at_end = true;           // torque off in stop()
+  std::function<void()> in_thread = {};  // called first in the driver's thread: its priority; may be empty
 };
 
 /// Opens the port, or says why not.

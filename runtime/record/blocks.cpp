@@ -240,7 +240,6 @@ bool get_frames(BlockReader& in, Recording& out) {
 bool get_spikes(BlockReader& in, Recording& out) {
   const auto first_tick = in.get<std::uint64_t>();
   const std::uint32_t count = in.get_count(kSpikeBytes);
-  out.spikes.reserve(out.spikes.size() + count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto tick_offset = in.get<std::uint32_t>();
     out.spikes.push_back({first_tick + tick_offset, in.get<std::uint32_t>()});
@@ -255,7 +254,6 @@ void put_positions(const RecordedPositions& positions, BlockWriter& out) {
 
 bool get_positions(BlockReader& in, Recording& out) {
   const std::uint32_t count = in.get_count(kPositionsBytes);
-  out.positions.reserve(out.positions.size() + count);
   for (std::uint32_t i = 0; i < count; ++i) {
     RecordedPositions& positions = out.positions.emplace_back();
     in.get(positions.time_ns);

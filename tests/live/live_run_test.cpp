@@ -26,7 +26,7 @@ struct EmulatedRun {
     params.camera.width_px = params.camera.height_px = 100;
     params.scenario.kind = ScenarioKind::Step;
     std::string error;
-    head = LiveHead::open(file, params, error);
+    head = LiveHead::open(file, params, 0, error);
     REQUIRE_MESSAGE(head != nullptr, error);
     options.duration_s = 0;
     options.ready_within_ns = 30'000 * kMs;
@@ -238,7 +238,7 @@ TEST_CASE("a head without one of its servos is told which one, and nothing moves
   REQUIRE_MESSAGE(plug != nullptr, error);
   file.port = plug->path();
   file.cameras = {};
-  const auto head = LiveHead::open(file, {}, error);
+  const auto head = LiveHead::open(file, {}, 0, error);
   REQUIRE(head != nullptr);
   run.options.ready_within_ns = 1500 * kMs;
   const LiveRun result = run_live(run.image, *head, run.options, run.controls);

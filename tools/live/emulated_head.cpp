@@ -38,15 +38,17 @@ class SimulatedEye final : public FrameSource {
     if (fault == EyeFault::Unplugged) {
       return CameraStatus::Failed;
     }
-    Frame frame;
+    HeadExposure exposure;
     {
       const std::lock_guard lock(world_.mutex);
       const TimeNs now_ns = std::max(clock_.now_ns() - world_.start_ns, world_.head.now_ns());
       world_.head.sleep_until(now_ns);
-      if (world_.head.eye_camera(static_cast<Eye>(eye_)).read(now_ns, frame) != CameraStatus::NewFrame) {
+      if (world_.head.take_exposure(static_cast<Eye>(eye_), now_ns, exposure) != CameraStatus::NewFrame) {
         return CameraStatus::NoNewFrame;
       }
     }
+    Frame frame;
+    world_.head.draw(static_cast<Eye>(eye_), exposure, frame);  // the bus need not wait for this
     frame.captured_ns += world_.start_ns;
     return suffer(fault, frame, out);
   }
@@ -92,7 +94,7 @@ EmulatedHead::EmulatedHead(std::unique_ptr<World> world) : world_(std::move(worl
 EmulatedHead::~EmulatedHead() = default;
 
 std::unique_ptr<EmulatedHead> EmulatedHead::open(const SimHeadParams& params, const ServoMap& map, ServoLinkKind board,
-                                                 std::string& error) {
+                                                 const std::function<void()>& in_thread, std::string& error) {
   auto world = std::make_unique<World>(params, board);
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const ServoJoint& joint = map.joints[j];
@@ -106,7 +108,7 @@ std::unique_ptr<EmulatedHead> EmulatedHead::open(const SimHeadParams& params, co
     world->board = std::make_unique<EmulatedArbotix>(world->bus);
     device = world->board.get();
   }
-  world->plug = PtyDevice::open(*device, {}, error);
+  world->plug = PtyDevice::open(*device, {.link_path = {}, .has_timing = true, .in_thread = in_thread}, error);
   if (world->plug == nullptr) {
     return nullptr;
   }

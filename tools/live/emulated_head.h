@@ -22,9 +22,11 @@ enum class EyeFault : std::uint8_t { None, Unplugged, Silent, Frozen, Black, Wro
 
 class EmulatedHead {
  public:
-  /// `board` is Direct or ArbotixRos. Null with one line in `error`.
+  /// `board` is Direct or ArbotixRos. `in_thread` is called first in the thread that is the hardware; may be empty.
+  /// Null with one line in `error`.
   [[nodiscard]] static std::unique_ptr<EmulatedHead> open(const SimHeadParams& params, const ServoMap& map,
-                                                          ServoLinkKind board, std::string& error);
+                                                          ServoLinkKind board, const std::function<void()>& in_thread,
+                                                          std::string& error);
   ~EmulatedHead();
 
   /// The terminal to open.

@@ -14,6 +14,17 @@ namespace {
 
 constexpr std::array<const char*, kEyeCount> kEyeNames = {"left eye", "right eye"};
 
+/// Above the loop's by `above`: what feeds it, and what it feeds, is short and must not wait for it.
+std::function<void()> with_priority(int fifo_priority, int above) {
+  if (fifo_priority <= 0) {
+    return {};
+  }
+  return [priority = fifo_priority + above] {
+    // The loop's own thread asks for the same and says so when it is refused.
+    (void)enter_real_time({.fifo_priority = priority, .locks_memory = false, .core = -1});
+  };
+}
+
 }  // namespace
 
 FrameSourceOpener LiveHead::source_of(const HeadCamera& camera, Eye eye) {
@@ -31,17 +42,19 @@ FrameSourceOpener LiveHead::source_of(const HeadCamera& camera, Eye eye) {
                         .pixel_format = camera.pixel_format});
 }
 
-std::unique_ptr<LiveHead> LiveHead::open(const HeadFile& file, const SimHeadParams& simulation, std::string& error) {
+std::unique_ptr<LiveHead> LiveHead::open(const HeadFile& file, const SimHeadParams& simulation, int fifo_priority,
+                                         std::string& error) {
   std::unique_ptr<LiveHead> head(new LiveHead(file));
   ServoDriverOptions servos;
   servos.kind = file.link;
   servos.map = file.map;
   servos.baud = file.baud;
+  servos.in_thread = with_priority(fifo_priority, 1);
   std::string port = file.port;
   if (file.is_emulated) {
     SimHeadParams params = simulation;
     params.geometry = file.geometry;
-    head->emulated_ = EmulatedHead::open(params, file.map, file.link, error);
+    head->emulated_ = EmulatedHead::open(params, file.map, file.link, with_priority(fifo_priority, 3), error);
     if (head->emulated_ == nullptr) {
       return nullptr;
     }
@@ -59,6 +72,7 @@ std::unique_ptr<LiveHead> LiveHead::open(const HeadFile& file, const SimHeadPara
       options.crop = camera.crop;
       options.frozen_after_ns = camera.frozen_after_ns;
       options.black_below = camera.black_below;
+      options.in_thread = with_priority(fifo_priority, 2);
       head->eyes_[index_of(eye)] = std::make_unique<LiveCamera>(options, head->source_of(camera, eye));
     }
   }

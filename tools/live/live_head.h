@@ -21,10 +21,11 @@ struct LiveEvent {
 
 class LiveHead {
  public:
-  /// `simulation` is the simulated head's, if the file has one; its geometry is the file's. Null with one line in
-  /// `error` when something can never work; a device that is merely not there yet is waited for in the background.
+  /// `fifo_priority` is the loop's, for the threads around it; 0: none. `simulation` is the simulated head's, if the
+  /// file has one; its geometry is the file's. Null with one line in `error` when something can never work; a device
+  /// that is merely not there yet is waited for in the background.
   [[nodiscard]] static std::unique_ptr<LiveHead> open(const HeadFile& file, const SimHeadParams& simulation,
-                                                      std::string& error);
+                                                      int fifo_priority, std::string& error);
 
   /// Until every joint is measured and an eye has sent a picture. One line that says what is missing after
   /// `timeout_ns`, else empty.

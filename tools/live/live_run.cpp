@@ -124,6 +124,7 @@ void LiveLoop::note_turn() {
     figures.stages[stage].add(frame.stage_ns[stage]);
     spent_ns += frame.stage_ns[stage];
   }
+  figures.frame_to_command.add(spent_ns);
   figures.missed_deadlines += begin_ns + spent_ns > options_.frame_period_ns ? 1 : 0;
   figures.lateness.add(frame.late_ns);
   figures.exposure_to_turn.add(frame.time_ns - std::max(frame.captured_ns[0], frame.captured_ns[1]));

@@ -49,6 +49,7 @@ struct LiveFigures {
   LoopCounters loop;
   GuardCounters guard;
   std::uint64_t missed_deadlines = 0;   // turns whose command left after the turn's period, and periods slept through
+  LatencyHistogram frame_to_command;    // from the loop taking the frames to the driver having the command
   LatencyHistogram frame_to_last_byte;  // from the loop taking the frames to the last byte in the kernel's hands
   LatencyHistogram exposure_to_turn;    // of the newer eye
   LatencyHistogram lateness;            // of a turn behind its schedule

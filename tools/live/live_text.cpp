@@ -17,6 +17,7 @@ std::string live_figures_text(const LiveRun& run) {
   const LiveFigures& f = run.figures;
   std::string text =
       fmt::format("{:<34} {:>8} {:>8} {:>8} {:>8}\n", "latency (ms)", "median", "99 %", "99.9 %", "most");
+  text += latency_row("frames taken to command handed over", f.frame_to_command);
   text += latency_row("frames taken to last command byte", f.frame_to_last_byte);
   text += latency_row("exposure to frames taken", f.exposure_to_turn);
   text += latency_row("turn behind its schedule", f.lateness);

@@ -128,7 +128,8 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
   std::string error;
   SimHeadParams simulation = request.simulation.head;
   simulation.geometry = file->geometry;
-  const std::unique_ptr<LiveHead> head = LiveHead::open(*file, simulation, error);
+  const std::unique_ptr<LiveHead> head =
+      LiveHead::open(*file, simulation, request.head.is_real_time ? kLoopPriority : 0, error);
   if (head == nullptr) {
     context.err << fmt::format("tectum: {}\n", error);
     context.exit_status = kExitFailed;

@@ -38,12 +38,13 @@ BlockPartition::BlockPartition(const BlockNetwork& network, std::vector<GroupPar
     const UpdateGroup& group = *network.groups[part.group];
     part_of_[part.group] = static_cast<std::uint32_t>(parts_.size());
     // Marks are counted from the group's first neuron: this part's words start at its own.
-    parts_.push_back({part,
-                      group.is_divisible() && !group.wants_marks(),
-                      TouchedNeurons(marks - part.begin / kWordBits, list, hot_arrays_of(group)),
-                      0,
-                      {},
-                      {}});
+    parts_.push_back(
+        {part,
+         group.is_divisible() && !group.wants_marks(),
+         TouchedNeurons(group.wants_marks() ? marks - part.begin / kWordBits : nullptr, list, hot_arrays_of(group)),
+         0,
+         {},
+         {}});
     if (group.wants_marks()) {
       marks += words_for(part.end - part.begin);
       list += part.end - part.begin + 1;

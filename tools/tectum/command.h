@@ -12,6 +12,7 @@ struct CommandContext {
   int exit_status = 0;  // what the chosen command's callback sets
 };
 
+void add_bench_command(CLI::App& app, CommandContext& context);
 void add_calibrate_command(CLI::App& app, CommandContext& context);
 void add_check_command(CLI::App& app, CommandContext& context);
 void add_compile_command(CLI::App& app, CommandContext& context);

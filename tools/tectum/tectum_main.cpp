@@ -22,6 +22,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_compile_command(app, context);
   add_dump_command(app, context);
   add_fmt_command(app, context);
+  add_bench_command(app, context);
   add_run_command(app, context);
   add_replay_command(app, context);
   add_record_command(app, context);

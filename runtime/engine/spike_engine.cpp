@@ -1,7 +1,9 @@
 #include "runtime/engine/spike_engine.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -24,13 +26,45 @@ UpdateGroups make_groups(const SpikeImage& image, const EngineOptions& options) 
   return groups;
 }
 
-std::unique_ptr<Runner> make_runner(const SpikeImage& image, const UpdateGroups& groups, const EngineOptions& options) {
+std::unique_ptr<Runner> make_runner(const SpikeImage& image, const UpdateGroups& groups, unsigned threads) {
   const bool ring_is_slow = RingRunner::fitting_ticks(image) < shortest_delay_ticks(image);
-  const bool wants_blocks = options.threads > 1 || ring_is_slow;
+  const bool wants_blocks = threads > 1 || ring_is_slow;
   if (wants_blocks && !has_same_tick_synapses(image)) {
-    return std::make_unique<BlockRunner>(image, groups, std::max(options.threads, 1U));
+    return std::make_unique<BlockRunner>(image, groups, threads);
   }
   return std::make_unique<RingRunner>(image, groups);
+}
+
+// Seconds that the first ticks take. Leaves the groups as they were built.
+double trial_seconds(const SpikeImage& image, const UpdateGroups& groups, unsigned threads) {
+  constexpr std::uint64_t kTrialTicks = 256;
+  const std::unique_ptr<Runner> runner = make_runner(image, groups, threads);
+  const std::vector<std::uint64_t> nothing_injected((image.header.neuron_count + kWordBits - 1) / kWordBits);
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::uint64_t tick = 0; tick < kTrialTicks;) {
+    tick += runner->advance(tick, kTrialTicks - tick, {nothing_injected.data(), false});
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  for (const auto& group : groups) {
+    group->reset();
+  }
+  return taken.count();
+}
+
+// Threads have to meet twice a slice; only large circuits gain by them, and only on a machine that has nothing else to
+// do.
+unsigned thread_count(const SpikeImage& image, const UpdateGroups& groups, const EngineOptions& options) {
+  constexpr std::uint32_t kWorthTrying = 16384;  // neurons
+  constexpr double kWorthHaving = 1.2;           // times as fast
+  constexpr unsigned kMostTried = 8;
+  const unsigned available = std::min(std::thread::hardware_concurrency(), kMostTried);
+  if (options.threads != 0) {
+    return options.threads;
+  }
+  if (available < 2 || image.header.neuron_count < kWorthTrying || has_same_tick_synapses(image)) {
+    return 1;
+  }
+  return trial_seconds(image, groups, 1) > kWorthHaving * trial_seconds(image, groups, available) ? available : 1;
 }
 
 }  // namespace
@@ -39,7 +73,7 @@ struct SpikeEngine::Impl {
   Impl(const SpikeImage& loaded, const EngineOptions& options)
       : image(loaded),
         groups(make_groups(image, options)),
-        runner(make_runner(image, groups, options)),
+        runner(make_runner(image, groups, thread_count(image, groups, options))),
         ranges(image),
         injected((image.header.neuron_count + kWordBits - 1) / kWordBits) {
     for (std::uint32_t g = 0; g < groups.size(); ++g) {

@@ -17,7 +17,7 @@ enum class SimdLevel { Automatic, Portable, Avx2, Avx512 };
 struct EngineOptions {
   SweepStrategy sweep = SweepStrategy::Automatic;
   SimdLevel simd = SimdLevel::Automatic;
-  unsigned threads = 1;
+  unsigned threads = 1;  // 0: as many as make it faster, measured when the engine is built; 1 for small circuits
 };
 
 /// Counters of things that should not happen, and of work done. Read after the run.

@@ -40,6 +40,17 @@ void for_each_seed(Check check) {
   }
 }
 
+TEST_CASE("a number of threads that is measured when the engine is built gives the same bits") {
+  TestNetwork network;
+  constexpr std::uint32_t kSize = 20'000;
+  network.add("lif", {ModelKind::LifExp, kSize, {{"I_bias", {2.2}}}, {exponential("ex", 5)}, false});
+  for (std::uint32_t i = 0; i < kSize; ++i) {
+    network.connect(i, (i * 7919U) % kSize, 8 + i % 5, 1.0);
+  }
+  const SpikeImage image = build_image(network);
+  CHECK(run_digest(image, {.threads = 0}, 400, 1, false) == run_digest(image, {.threads = 1}, 400, 1, true));
+}
+
 TEST_CASE("every strategy, instruction set, thread count and optimisation level gives the same bits") {
   const UnoptimisedRun run_unoptimised = load_unoptimised_engine();
   std::uint64_t spikes = 0;

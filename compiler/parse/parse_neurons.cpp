@@ -173,6 +173,8 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
   decl.overrides = reader.rest();
   if (reader.has("neuron") && reader.has("input")) {
     context.diagnostics.add(Code::KeysExclude, member.name.span, {"neuron", "input"});
+    decl.neuron.reset();  // nobody knows which of them is meant
+    decl.inputs.clear();
   } else if (!reader.has("neuron") && !reader.has("input")) {
     reader.report_missing("neuron");
   } else if (reader.has("neuron") && !reader.has("size")) {

@@ -21,6 +21,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_check_command(app, context);
   add_compile_command(app, context);
   add_dump_command(app, context);
+  add_explain_command(app, context);
   add_fmt_command(app, context);
   add_bench_command(app, context);
   add_run_command(app, context);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/expression/expression.h"
+#include "compiler/expression/functions.h"
 #include "compiler/expression/quantity.h"
 
 namespace tectum {
@@ -369,6 +370,14 @@ std::string format_quantity(const Quantity& quantity) {
   const auto [end, error] = std::to_chars(buffer, buffer + sizeof(buffer), from_coherent(quantity.value, unit));
   const std::string number(buffer, error == std::errc{} ? end : buffer);
   return unit_text.empty() ? number : number + " " + unit_text;
+}
+
+std::vector<std::pair<std::string_view, std::string>> expression_units() {
+  std::vector<std::pair<std::string_view, std::string>> units;
+  for (const NamedUnit& unit : kUnits) {
+    units.emplace_back(unit.name, describe(unit.unit.dimension));
+  }
+  return units;
 }
 
 }  // namespace tectum

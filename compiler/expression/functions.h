@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "compiler/expression/expression.h"
 
@@ -33,6 +36,8 @@ struct FunctionInfo {
 };
 
 std::span<const FunctionInfo> expression_functions();
+/// Every unit with the dimension it measures: "mV", "voltage (mV)".
+std::vector<std::pair<std::string_view, std::string>> expression_units();
 const FunctionInfo* find_function(std::string_view name);
 
 }  // namespace tectum

@@ -6,24 +6,11 @@
 #include <cmath>
 
 #include "compiler/validate/read_edge_table.h"
+#include "compiler/validate/rules.h"
 #include "compiler/validate/validation.h"
 
 namespace tectum {
 namespace {
-
-struct RuleSpelling {
-  const char* text;
-  RuleKind kind;
-  std::array<const char*, 2> arguments;  // keys it takes; the first is required unless it is "autapses"
-};
-constexpr std::array kRules = {
-    RuleSpelling{"one_to_one", RuleKind::OneToOne, {nullptr, nullptr}},
-    RuleSpelling{"all_to_all", RuleKind::AllToAll, {"autapses", nullptr}},
-    RuleSpelling{"fixed_probability", RuleKind::FixedProbability, {"p", "autapses"}},
-    RuleSpelling{"fixed_in_degree", RuleKind::FixedInDegree, {"n", "autapses"}},
-    RuleSpelling{"fixed_out_degree", RuleKind::FixedOutDegree, {"n", "autapses"}},
-    RuleSpelling{"edges", RuleKind::EdgeList, {nullptr, "first_index"}},
-};
 
 class ProjectionValidator {
  public:

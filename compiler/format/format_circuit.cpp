@@ -191,11 +191,12 @@ class Printer {
 
   void print_broken(const JsoncValue& value, std::size_t indent) {
     const std::size_t inner = indent + kIndentColumns;
-    const auto is_scalar = [](const JsoncEntry& entry) { return entry.value.bracket == 0; };
-    const bool is_plain_array =
-        value.bracket == '[' && std::all_of(value.entries.begin(), value.entries.end(), is_scalar);
+    const auto is_plain = [&](const JsoncEntry& entry) {
+      return entry.value.bracket == 0 || (value.bracket == '{' && entry.value.bracket == '[');
+    };
+    const bool is_filled = std::all_of(value.entries.begin(), value.entries.end(), is_plain);
     // From one line that became too long; the author set no line breaks to keep.
-    const bool is_entry_a_line = value.is_one_line && !is_plain_array;
+    const bool is_entry_a_line = value.is_one_line && !is_filled;
     out_ += value.bracket;
     print_trailing(value.opening);
     bool must_break = true;  // the entry before takes the rest of its line

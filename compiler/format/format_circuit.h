@@ -19,8 +19,8 @@ struct FormattedCircuit {
 /// comment in its place; formatting the result again changes nothing.
 ///
 ///   - two blanks of indentation; `{ "a": 1 }`, `[1, 2]`, `"key": value`
-///   - what stood on one line stays there when it fits 120 columns; else objects get a line an entry and
-///     arrays of plain values are filled
+///   - what stood on one line stays there when it fits 120 columns; else arrays of plain values and objects that hold
+///     no other object are filled, and others get a line an entry
 ///   - what stood on several lines keeps its line breaks between entries
 ///   - at most one blank line, none beside a bracket; one newline at the end
 ///

@@ -103,11 +103,13 @@ TEST_CASE("comments stay where they were") {
   }
 }
 
-TEST_CASE("a line that is too long is broken: an entry a line in objects, filled in arrays of values") {
+TEST_CASE("a line that is too long is broken: objects of objects an entry a line, others filled") {
   std::string numbers = "[";
   std::string members = "{";
+  std::string objects = "{";
   for (int i = 0; i < 60; ++i) {
     numbers += (i ? "," : "") + std::to_string(1000 + i);
+    objects += (i ? ",\"o" : "\"o") + std::to_string(i) + "\":{\"k\":1}";
     members += (i ? ",\"k" : "\"k") + std::to_string(i) + "\":" + std::to_string(i);
   }
   const std::string array = formatted(numbers + "]");
@@ -117,7 +119,10 @@ TEST_CASE("a line that is too long is broken: an entry a line in objects, filled
     CHECK(array.find('\n', begin) - begin <= 120);
   }
   const std::string object = formatted(members + "}");
-  CHECK(std::count(object.begin(), object.end(), '\n') == 62);
+  CHECK(std::count(object.begin(), object.end(), '\n') == 8);
+  CHECK(formatted(object) == object);
+  const std::string nested = formatted(objects + "}");
+  CHECK(std::count(nested.begin(), nested.end(), '\n') == 62);
 }
 
 TEST_CASE("exactly 120 columns fit") {

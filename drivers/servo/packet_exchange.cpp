@@ -409,7 +409,8 @@ void PacketExchange::take_reading(std::size_t joint, Reading reading) {
       }
       continue;
     }
-    is_confirmed = next.units <= ax12::kHighestPosition && apart(reading, next) <= std::floor(farthest(reading, next));
+    // Nothing is allowed for motion: after a retry, that would be enough room for a damaged low bit.
+    is_confirmed = next.units <= ax12::kHighestPosition && next.units == reading.units;
     reading = next;
   }
   if (!is_confirmed) {

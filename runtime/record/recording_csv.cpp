@@ -112,6 +112,23 @@ bool write_commands(const Recording& recording, const fs::path& path) {
   return csv.close();
 }
 
+bool write_positions(const Recording& recording, const fs::path& path) {
+  CsvFile csv(path);
+  csv.text("time_s");
+  for (const char* joint : kJointNames) {
+    csv.text(std::string(joint) + "_deg");
+  }
+  csv.end_row();
+  for (const RecordedPositions& sample : recording.positions) {
+    csv.seconds(sample.time_ns);
+    for (const double angle_deg : sample.position_deg) {
+      csv.number(angle_deg);
+    }
+    csv.end_row();
+  }
+  return csv.close();
+}
+
 bool write_spikes(const Recording& recording, const fs::path& path) {
   std::vector<RecordedPopulation> populations = recording.populations;
   std::sort(populations.begin(), populations.end(),
@@ -150,6 +167,9 @@ std::string write_recording_csv(const Recording& recording, const std::string& f
     if (!write(recording, base / name)) {
       return "cannot write `" + (base / name).string() + "`";
     }
+  }
+  if (!recording.positions.empty() && !write_positions(recording, base / "positions.csv")) {
+    return "cannot write `" + (base / "positions.csv").string() + "`";
   }
   return "";
 }

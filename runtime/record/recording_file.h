@@ -79,8 +79,8 @@ struct ReadRecording {
 /// Writes a whole recording at once. Returns a line that says what failed, or nothing.
 [[nodiscard]] std::string write_recording(const Recording& recording, const std::string& path);
 
-/// frames.csv, commands.csv and spikes.csv into a folder that is made if need be; units are in the column names.
-/// Returns a line that says what failed, or nothing.
+/// frames.csv, commands.csv, spikes.csv, and positions.csv if joints were sampled between frames, into a folder that is
+/// made if need be; units are in the column names. Returns a line that says what failed, or nothing.
 [[nodiscard]] std::string write_recording_csv(const Recording& recording, const std::string& folder);
 
 }  // namespace tectum

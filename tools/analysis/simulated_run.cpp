@@ -1,6 +1,7 @@
 #include "tools/analysis/simulated_run.h"
 
 #include <cmath>
+#include <vector>
 
 #include "tools/analysis/run_recorder.h"
 
@@ -23,6 +24,30 @@ class WatchedCamera final : public Camera {
  private:
   Camera& camera_;
   Frame last_;
+};
+
+/// Passes the head's time on in steps, and notes where the shafts are after each. A frame every 22 ms is too rare for
+/// the speed of a saccade.
+class SamplingClock final : public Clock {
+ public:
+  SamplingClock(SimHead& head, double rate_hz, std::vector<RecordedPositions>& samples)
+      : head_(head), samples_(samples), rate_hz_(rate_hz) {}
+  [[nodiscard]] TimeNs now_ns() noexcept override { return head_.now_ns(); }
+  void sleep_until(TimeNs when_ns) noexcept override {
+    while (rate_hz_ > 0 && next_ns() <= when_ns) {
+      head_.sleep_until(next_ns());
+      samples_.push_back({head_.now_ns(), head_.truth_at_now().joint_deg});
+      ++count_;
+    }
+    head_.sleep_until(when_ns);
+  }
+
+ private:
+  [[nodiscard]] TimeNs next_ns() const { return std::llround(static_cast<double>(count_) * 1e9 / rate_hz_); }
+  SimHead& head_;
+  std::vector<RecordedPositions>& samples_;
+  double rate_hz_;
+  std::uint64_t count_ = 0;
 };
 
 DotColour colour_for(LitChannel channel) {
@@ -71,7 +96,8 @@ Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions&
   LoopOptions loop_options;
   loop_options.frame_period_ns = options.head.frame_period_ns;
   loop_options.engine = options.engine;
-  ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = head}, loop_options, &recorder);
+  SamplingClock clock(head, options.sample_rate_hz, recorder.recording().positions);
+  ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = clock}, loop_options, &recorder);
 
   const auto duration_ns = static_cast<TimeNs>(std::llround(options.duration_s * 1e9));
   const auto turns = static_cast<std::uint64_t>(

@@ -13,6 +13,7 @@ namespace tectum {
 struct SimulatedRunOptions {
   SimHeadParams head;
   double duration_s = 60;
+  double sample_rate_hz = 0;  // of the shafts between the frames, into Recording::positions; 0: not sampled
   EngineOptions engine;
 };
 

@@ -36,6 +36,7 @@ struct RunArguments {
   double noise = 0;
   bool clutter = false;
   std::string dot;
+  double sample_rate_hz = 0;
   std::size_t lines = 40;
   std::string record_folder, report_path, picture_path, render_path;
   HeadArguments head;
@@ -85,6 +86,12 @@ void add_world_options(CLI::App& command, RunArguments& arguments) {
 void add_output_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--record", arguments.record_folder, "write run.trec and CSV files into this folder")
       ->type_name("DIR");
+  command
+      .add_option("--sample-rate", arguments.sample_rate_hz,
+                  "with --record: also note the simulated joints this often, for the speed of saccades [not between "
+                  "frames]")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->type_name("HZ");
   command.add_option("--report", arguments.report_path, "write a self-contained HTML report")->type_name("FILE");
   command.add_option("--picture", arguments.picture_path, "write one summary figure as SVG")->type_name("FILE");
   command.add_option("--render", arguments.render_path, "write what the simulated cameras see as video")
@@ -107,6 +114,7 @@ SimulatedRunOptions simulation_of(const SpikeImage& image, const RunArguments& a
   SimulatedRunOptions options;
   options.head = fitted_to(image, options.head);
   options.duration_s = arguments.duration_s > 0 ? arguments.duration_s : kDefaultDurationS;
+  options.sample_rate_hz = arguments.sample_rate_hz;
   SimHeadParams& head = options.head;
   head.seed = arguments.seed;
   const double rate_hz = arguments.frame_rate_hz > 0 ? arguments.frame_rate_hz : kDefaultFrameRateHz;

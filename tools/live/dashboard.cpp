@@ -97,16 +97,17 @@ std::string Dashboard::draw(const LiveGlimpse& glimpse) {
                      bar(glimpse.frame.position_deg[j], 50, 20), glimpse.frame.position_deg[j],
                      glimpse.frame.goal_deg[j]));
   }
-  // The busiest populations, in the circuit's order.
+  // The populations whose rates change most, in the circuit's order: those that only hum say nothing.
   std::vector<std::size_t> order(image_.populations.size());
-  std::vector<std::uint64_t> spikes(order.size());
+  std::vector<double> changes(order.size());
   for (std::size_t p = 0; p < order.size(); ++p) {
     order[p] = p;
-    for (const auto& past : history_) {
-      spikes[p] += p < past.size() ? past[p] : 0;
+    for (std::size_t k = 1; k < history_.size() && p < history_[k].size() && p < history_[k - 1].size(); ++k) {
+      const double change = std::abs(static_cast<double>(history_[k][p]) - static_cast<double>(history_[k - 1][p]));
+      changes[p] += change / image_.populations[p].size;
     }
   }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return spikes[a] > spikes[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return changes[a] > changes[b]; });
   order.resize(std::min(order.size(), kRasterRows));
   std::sort(order.begin(), order.end());
   for (const std::size_t p : order) {

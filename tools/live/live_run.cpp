@@ -148,7 +148,9 @@ void LiveLoop::loop_thread() {
   result_.figures.loop = loop_.counters();
   result_.figures.missed_deadlines += loop_.counters().skipped_periods;
   recorder_.end_turns();
-  if (!controls_.ends_at_once && controls_.request != GuardRequest::Release) {
+  const GuardRequest request = controls_.request;
+  const bool may_move = request == GuardRequest::None || request == GuardRequest::Park;  // not after a stop
+  if (!controls_.ends_at_once && may_move) {
     park();
   }
   is_done_ = true;

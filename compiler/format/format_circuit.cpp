@@ -194,7 +194,8 @@ class Printer {
     const auto is_plain = [&](const JsoncEntry& entry) {
       return entry.value.bracket == 0 || (value.bracket == '{' && entry.value.bracket == '[');
     };
-    const bool is_filled = std::all_of(value.entries.begin(), value.entries.end(), is_plain);
+    const bool is_filled = value.bracket == '[' ? std::all_of(value.entries.begin(), value.entries.end(), is_plain)
+                                                : std::any_of(value.entries.begin(), value.entries.end(), is_plain);
     // From one line that became too long; the author set no line breaks to keep.
     const bool is_entry_a_line = value.is_one_line && !is_filled;
     out_ += value.bracket;

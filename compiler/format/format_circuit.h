@@ -20,7 +20,7 @@ struct FormattedCircuit {
 ///
 ///   - two blanks of indentation; `{ "a": 1 }`, `[1, 2]`, `"key": value`
 ///   - what stood on one line stays there when it fits 120 columns; else arrays of plain values and objects that hold
-///     no other object are filled, and others get a line an entry
+///     more than objects are filled, and others get a line an entry
 ///   - what stood on several lines keeps its line breaks between entries
 ///   - at most one blank line, none beside a bracket; one newline at the end
 ///

@@ -1,5 +1,5 @@
-// The reference manual, checked: its generated tables are those of the code and its example compiles.
-// UPDATE_GOLDEN=1 rewrites the tables.
+// The reference manual, checked: its generated tables are those of the code and its example compiles; and
+// every circuit that is shipped is formatted. UPDATE_GOLDEN=1 rewrites the tables.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -14,6 +14,7 @@
 #include "compiler/diagnostics/pages.h"
 #include "compiler/diagnostics/render.h"
 #include "compiler/expression/functions.h"
+#include "compiler/format/format_circuit.h"
 #include "compiler/optimise/optimise.h"
 #include "compiler/validate/rules.h"
 #include "runtime/image/models.h"
@@ -165,6 +166,24 @@ TEST_CASE("the manual's example compiles without a word") {
       compile_circuit({"example.json", manual.substr(at, manual.find("```", at) - at)}, {}, diagnostics);
   CHECK(render_text(diagnostics, result.sources) == "");
   CHECK(result.image.has_value());
+}
+
+TEST_CASE("every circuit that is shipped is formatted") {
+  std::size_t count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "circuits")) {
+    if (entry.path().extension() != ".json" || entry.path().parent_path().filename() == "schema" ||
+        entry.path().parent_path().filename() == "heads") {
+      continue;
+    }
+    CAPTURE(entry.path().filename().string());
+    const std::string text = read_text(entry.path());
+    const FormattedCircuit once = format_circuit(text);
+    REQUIRE_MESSAGE(once.text.has_value(), once.error);
+    CHECK_MESSAGE(*once.text == text, "tectum fmt brings it into form");
+    CHECK(format_circuit(*once.text).text == once.text);
+    ++count;
+  }
+  CHECK(count > 0);
 }
 
 }  // namespace tectum

@@ -376,9 +376,10 @@ void PacketExchange::put_settings_back(std::size_t joint, std::span<const std::u
   if (value_in(ram, kRamAt, ax12::kPunch) != state.punch) {
     note(bus_.write(id(joint), ax12::kPunch, state.punch));
   }
-  // A limit of 0 is a shut-down, and not for us to lift here.
   const std::uint16_t limit = value_in(ram, kRamAt, ax12::kTorqueLimit);
-  if (limit != 0 && limit != map_.joints[joint].torque_limit) {
+  if (limit == 0) {
+    check_shutdown(joint);  // limp, whether an alarm says so or noise wrote it
+  } else if (limit != map_.joints[joint].torque_limit) {
     note(bus_.write(id(joint), ax12::kTorqueLimit, map_.joints[joint].torque_limit));
   }
 }

@@ -7,14 +7,15 @@
 // What is trusted. An 8-bit sum lets about one in a hundred thousand damaged positions through at 1 % byte errors. So,
 // as soon as the wire has shown one error in the last five seconds, and for the first five seconds, a position counts
 // only when two readings in succession say exactly the same: any room for what the shaft moved in between is room for a
-// damaged low bit (with it, 5 of 39 million positions were wrong in a soak of 24 hours, by up to 4 units). On a clean wire a position counts at once unless the shaft cannot have come there so
-// fast. What is not confirmed is not reported: the joint is just not fresh. Alarms count when two answers in succession
-// say so.
+// damaged low bit (with it, 5 of 39 million positions were wrong in a soak of 24 hours, by up to 4 units). On a clean
+// wire a position counts at once unless the shaft cannot have come there so fast. What is not confirmed is not
+// reported: the joint is just not fresh. Alarms count when two answers in succession say so.
 //
 // Goals go out as one SyncWrite of goal and speed when a command comes and again at the start of each round, because
 // nobody answers a SyncWrite: a goal that noise swallowed or changed stands for one round at most.
 //
-// A servo that shut itself down (overload, heat) is limp: its torque limit is 0. It rests, must be cool again, gets its
+// A servo that shut itself down (overload, heat) is limp: its torque limit is 0. So is one to which a damaged packet
+// wrote that, with no alarm to tell of it; the full reads notice. It rests, must be cool again, gets its
 // own position as goal, and then its torque limit back (e-manual, "Torque Limit"). After three revivals in a minute it
 // is given up. While it cannot follow, and from a loss until a command that was issued after it came back, it gets no
 // goals.

@@ -268,6 +268,23 @@ TEST_CASE("a servo that freed itself moves again after its revival") {
   CHECK(bench.left_pan().position_deg == doctest::Approx(30).epsilon(0.03));
 }
 
+TEST_CASE("a servo that is limp without an alarm is noticed and revived") {
+  Bench bench;
+  (void)bench.exchange->begin();
+  bench.command(10);
+  bench.run(200 * kMs);
+  // As a damaged SYNC_WRITE left all six of them, after four hours of a soak.
+  bench.servo(3).set(ax12::kTorqueLimit, 0, bench.link.now_ns());
+  bench.run(500 * kMs);
+  CHECK(bench.left_pan().health == ServoHealth::ShutDown);
+  bench.run(3000 * kMs);
+  CHECK(bench.left_pan().health == ServoHealth::Working);
+  CHECK(bench.servo(3).get(ax12::kTorqueLimit) == 1023);
+  bench.command(-5);
+  bench.run(1000 * kMs);
+  CHECK(bench.left_pan().position_deg == doctest::Approx(-5).epsilon(0.15));
+}
+
 TEST_CASE("a hot servo is warned of, and revived only when it is well below its limit") {
   Bench bench;
   (void)bench.exchange->begin();

@@ -138,6 +138,9 @@ struct DriverSoak {
   std::uint64_t stale_joint_rounds = 0;  // rounds without a new position of a joint
   std::uint64_t longest_stale_rounds = 0;
   TimeNs longest_step_ns = 0;
+  std::uint64_t moving_joint_rounds = 0;                      // whose shaft was elsewhere a round before
+  std::array<std::uint64_t, kJointCount> last_moved_round{};  // of each joint: a head at rest would prove little
+  std::uint64_t rounds = 0;
 };
 
 class HeadSoak {
@@ -192,12 +195,19 @@ class HeadSoak {
     }
   }
   void check_round() {
+    ++soak.rounds;
     for (std::size_t joint = 0; joint < kJointCount; ++joint) {
       stale_rounds_[joint] = is_fresh_[joint] ? 0 : stale_rounds_[joint] + 1;
       is_fresh_[joint] = false;
       soak.stale_joint_rounds += stale_rounds_[joint] > 0 ? 1 : 0;
       soak.longest_stale_rounds = std::max(soak.longest_stale_rounds, stale_rounds_[joint]);
       const EmulatedServo& servo = *head_.emulator.find(map_.joints[joint].id);
+      const std::uint16_t place = servo.get(ax12::kPresentPosition);
+      if (place != place_[joint]) {
+        place_[joint] = place;
+        ++soak.moving_joint_rounds;
+        soak.last_moved_round[joint] = soak.rounds;
+      }
       const std::uint16_t goal = servo.get(ax12::kGoalPosition);
       // The one before may still stand: noise swallowed the packet, and the next round's comes in 10 ms.
       const bool is_wrong = report_.joints[joint].health == ServoHealth::Working &&
@@ -217,6 +227,7 @@ class HeadSoak {
   ServoCommand command_;
   ServoCommand before_;
   std::array<TimeNs, kJointCount> seen_ns_{};
+  std::array<std::uint16_t, kJointCount> place_{};
   std::array<bool, kJointCount> is_fresh_{};
   std::array<std::uint64_t, kJointCount> stale_rounds_{};
   std::array<std::uint64_t, kJointCount> wrong_goal_rounds_{};
@@ -280,6 +291,15 @@ TEST_CASE("soak: no wrong position is ever taken as right at 1 % byte errors") {
       static_cast<unsigned long long>(head.soak.wrong_goals),
       static_cast<unsigned long long>(head.soak.longest_wrong_goal_rounds),
       static_cast<double>(head.soak.longest_step_ns) * 1e-6, events.size(), seconds_since(start));
+  std::printf("  joint-rounds in motion %llu; rounds since each joint last moved:",
+              static_cast<unsigned long long>(head.soak.moving_joint_rounds));
+  for (const std::uint64_t round : head.soak.last_moved_round) {
+    std::printf(" %llu", static_cast<unsigned long long>(head.soak.rounds - round));
+  }
+  std::printf("\n");
+  for (const std::uint64_t round : head.soak.last_moved_round) {
+    CHECK(head.soak.rounds - round < 3000);  // half a minute: a revival takes two seconds
+  }
   for (std::size_t i = 0; i < std::min<std::size_t>(events.size(), 20); ++i) {
     std::printf("  %10.3f s  %s\n", static_cast<double>(events[i].at_ns) * 1e-9, events[i].text.c_str());
   }

@@ -23,7 +23,7 @@ struct CalibrateArguments {
 
 void fail(CommandContext& context, const std::string& line) {
   context.err << fmt::format("tectum: {}\n", line);
-  context.exit_status = kExitFailed;
+  context.exit_status = kExitTrouble;
 }
 
 std::string table(const std::vector<CalibrationData>& data, const std::vector<CalibrationFit>& fits) {
@@ -89,7 +89,7 @@ void write_head(const CalibrateArguments& arguments, const std::vector<Calibrati
   ReadHead read = read_head_text(source.file.name, source.file.bytes);
   context.err << read.problems;
   if (!read.head) {
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return;
   }
   for (std::size_t i = 0; i < data.size(); ++i) {

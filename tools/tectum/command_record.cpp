@@ -20,7 +20,7 @@ std::optional<Recording> read(const std::string& path, CommandContext& context) 
   ReadRecording read = read_recording(path);
   if (!read.error.empty()) {
     context.err << fmt::format("tectum: {}\n", read.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return std::nullopt;
   }
   if (read.is_truncated) {
@@ -57,7 +57,7 @@ void export_recording(const ExportArguments& arguments, CommandContext& context)
       is_npz ? write_recording_npz(*recording, arguments.to) : write_recording_csv(*recording, arguments.to);
   if (!problem.empty()) {
     context.err << fmt::format("tectum: {}\n", problem);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return;
   }
   context.out << fmt::format("{}: {} turns, {} spikes\n", arguments.to, recording->frames.size(),

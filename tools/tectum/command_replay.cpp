@@ -36,7 +36,7 @@ void replay_file(const ReplayArguments& arguments, CommandContext& context) {
   const ReadRecording read = read_recording(arguments.path);
   if (!read.error.empty()) {
     context.err << fmt::format("tectum: {}\n", read.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return;
   }
   if (read.is_truncated) {
@@ -49,7 +49,7 @@ void replay_file(const ReplayArguments& arguments, CommandContext& context) {
   const ReplayResult result = replay(*image, read.recording);
   if (!result.error.empty()) {
     context.err << fmt::format("tectum: {}: {}\n", arguments.path, result.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
   } else if (!result.is_same) {
     context.out << fmt::format("not the same from {}\n", result.difference);
     context.exit_status = kExitFailed;

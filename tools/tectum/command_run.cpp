@@ -145,7 +145,7 @@ bool write_text(const std::string& path, const std::string& text, CommandContext
   file.close();
   if (!file) {
     context.err << fmt::format("tectum: cannot write {}\n", path);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return false;
   }
   return true;
@@ -200,7 +200,7 @@ std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& a
     const std::string error = video->finish();
     if (!error.empty()) {
       context.err << fmt::format("tectum: {}\n", error);
-      context.exit_status = kExitFailed;
+      context.exit_status = kExitTrouble;
       return std::nullopt;
     }
   }
@@ -225,7 +225,7 @@ std::optional<Recording> run_video(const SpikeImage& image, const RunArguments& 
                               observer);
   if (!run.error.empty()) {
     context.err << fmt::format("tectum: {}\n", run.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return std::nullopt;
   }
   return std::move(run.recording);
@@ -243,7 +243,7 @@ void write_files(const Recording& recording, const RunArguments& arguments, doub
     }
     if (!problem.empty()) {
       context.err << fmt::format("tectum: {}\n", problem);
-      context.exit_status = kExitFailed;
+      context.exit_status = kExitTrouble;
     }
   }
   if (!arguments.report_path.empty()) {

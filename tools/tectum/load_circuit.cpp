@@ -117,7 +117,7 @@ std::optional<SpikeImage> load_circuit(const CircuitArguments& arguments, Comman
     loaded = load_image(write_image(*compilation->result.image));
   }
   if (!loaded.image) {
-    context.err << fmt::format("tectum: {}: {}\n", arguments.path, loaded.error);
+    context.err << fmt::format("tectum: {}\n", loaded.error);
     context.exit_status = kExitTrouble;
   }
   return std::move(loaded.image);

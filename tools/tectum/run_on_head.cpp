@@ -132,7 +132,7 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
       LiveHead::open(*file, simulation, request.head.is_real_time ? kLoopPriority : 0, error);
   if (head == nullptr) {
     context.err << fmt::format("tectum: {}\n", error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     return std::nullopt;
   }
   LiveRunOptions options;
@@ -174,7 +174,7 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
       });
   if (!run.error.empty()) {
     context.err << fmt::format("tectum: {}\n", run.error);
-    context.exit_status = kExitFailed;
+    context.exit_status = kExitTrouble;
     if (run.recording.frames.empty()) {
       return std::nullopt;
     }

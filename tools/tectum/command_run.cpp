@@ -84,7 +84,7 @@ void add_world_options(CLI::App& command, RunArguments& arguments) {
 }
 
 void add_output_options(CLI::App& command, RunArguments& arguments) {
-  command.add_option("--record", arguments.record_folder, "write run.trec and CSV files into this folder")
+  command.add_option("--record", arguments.record_folder, "write run.trec into this folder")
       ->type_name("DIR");
   command
       .add_option("--sample-rate", arguments.sample_rate_hz,
@@ -237,11 +237,11 @@ void write_files(const Recording& recording, const RunArguments& arguments, doub
     std::error_code error;
     std::filesystem::create_directories(arguments.record_folder, error);
     const bool is_written = !arguments.head.path.empty();  // while it ran
-    std::string problem = is_written ? "" : write_recording(recording, arguments.record_folder + "/run.trec");
+    const std::string path = arguments.record_folder + "/run.trec";
+    const std::string problem = is_written ? "" : write_recording(recording, path);
     if (problem.empty()) {
-      problem = write_recording_csv(recording, arguments.record_folder);
-    }
-    if (!problem.empty()) {
+      context.err << fmt::format("recording: {}   (`tectum record export` makes CSV or .npz of it)\n", path);
+    } else {
       context.err << fmt::format("tectum: {}\n", problem);
       context.exit_status = kExitTrouble;
     }

@@ -110,8 +110,9 @@ class ParameterOrder {
 
 /// Names that expressions use for something else.
 bool is_reserved(const Validation& v, const std::string& name) {
-  static const std::vector<std::string> kReserved = {"pre",   "post", "ecc", "x",        "y",  "side", "hemifield",
-                                                     "index", "size", "pos", "random", "distance", "pi", "true", "false"};
+  static const std::vector<std::string> kReserved = {"pre",    "post",      "ecc",   "x",    "y",
+                                                     "side",   "hemifield", "index", "size", "pos",
+                                                     "random", "distance",  "pi",    "true", "false"};
   return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end() || v.circuit.words.count(name) != 0;
 }
 

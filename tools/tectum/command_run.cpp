@@ -84,8 +84,7 @@ void add_world_options(CLI::App& command, RunArguments& arguments) {
 }
 
 void add_output_options(CLI::App& command, RunArguments& arguments) {
-  command.add_option("--record", arguments.record_folder, "write run.trec into this folder")
-      ->type_name("DIR");
+  command.add_option("--record", arguments.record_folder, "write run.trec into this folder")->type_name("DIR");
   command
       .add_option("--sample-rate", arguments.sample_rate_hz,
                   "with --record: also note the simulated joints this often, for the speed of saccades [not between "

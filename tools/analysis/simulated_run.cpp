@@ -97,7 +97,8 @@ Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions&
   loop_options.frame_period_ns = options.head.frame_period_ns;
   loop_options.engine = options.engine;
   SamplingClock clock(head, options.sample_rate_hz, recorder.recording().positions);
-  ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = clock}, loop_options, &recorder);
+  ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = clock}, loop_options,
+                   options.keeps_spikes ? &recorder : nullptr);
 
   const auto duration_ns = static_cast<TimeNs>(std::llround(options.duration_s * 1e9));
   const auto turns = static_cast<std::uint64_t>(

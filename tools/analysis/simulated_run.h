@@ -14,6 +14,7 @@ struct SimulatedRunOptions {
   SimHeadParams head;
   double duration_s = 60;
   double sample_rate_hz = 0;  // of the shafts between the frames, into Recording::positions; 0: not sampled
+  bool keeps_spikes = true;   // off: a long run that only the eyes are wanted of
   EngineOptions engine;
 };
 

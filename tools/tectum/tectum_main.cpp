@@ -25,6 +25,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_fmt_command(app, context);
   add_bench_command(app, context);
   add_run_command(app, context);
+  add_eval_command(app, context);
   add_replay_command(app, context);
   add_record_command(app, context);
   add_calibrate_command(app, context);

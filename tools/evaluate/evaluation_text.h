@@ -1,0 +1,23 @@
+// An evaluation as a terminal table and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/tracking_evaluation.h"
+
+namespace tectum {
+
+/// "hold 1 s, 3 frames of camera latency".
+[[nodiscard]] std::string setting_text(const Setting& setting);
+[[nodiscard]] std::string gains_text(const PidGains& gains);
+
+/// Ends in a newline.
+[[nodiscard]] std::string tracking_text(const Protocol& protocol, const TrackingEvaluation& evaluation);
+/// Stable keys; angles in degrees, times in seconds. Does not end in a newline.
+[[nodiscard]] std::string tracking_json(const Protocol& protocol, const std::string& circuit,
+                                        const TrackingEvaluation& evaluation);
+
+[[nodiscard]] std::string tuning_text(const Protocol& protocol, const std::vector<PidTuningResult>& results);
+
+}  // namespace tectum

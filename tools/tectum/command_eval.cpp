@@ -1,0 +1,129 @@
+// tectum eval: a circuit by a protocol, beside the physical limit and an engineer's servo.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "tools/evaluate/evaluation_text.h"
+#include "tools/evaluate/protocol.h"
+#include "tools/evaluate/tracking_evaluation.h"
+#include "tools/tectum/load_circuit.h"
+#include "tools/tectum/progress.h"
+#include "tools/tectum/tectum_main.h"
+
+namespace tectum {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct EvalArguments {
+  CircuitArguments circuit;
+  std::string protocol = "paper";
+  int trials = 0;
+  double duration_s = 0;
+  unsigned threads = 0;
+  bool tunes_pid = false;
+};
+
+/// A file by that name; else protocols/NAME.json beside the circuit, else under circuits/ here.
+fs::path protocol_path(const EvalArguments& arguments) {
+  std::error_code ignored;
+  if (arguments.protocol.ends_with(".json")) {
+    return arguments.protocol;
+  }
+  const fs::path beside = fs::path(arguments.circuit.path).parent_path() / "protocols" / (arguments.protocol + ".json");
+  return fs::exists(beside, ignored) ? beside : fs::path("circuits/protocols") / (arguments.protocol + ".json");
+}
+
+std::string known_protocols(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".json") {
+      names.push_back(entry.path().stem().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::optional<Protocol> load_protocol(const EvalArguments& arguments, CommandContext& context) {
+  const fs::path path = protocol_path(arguments);
+  ReadProtocol read = read_protocol_file(path.string());
+  context.err << read.problems;
+  if (!read.protocol) {
+    context.exit_status = read.error.empty() ? kExitFailed : kExitTrouble;
+    if (!read.error.empty()) {
+      context.err << fmt::format("tectum: {}\n", read.error);
+      const std::string known = known_protocols(path.parent_path());
+      if (!known.empty()) {
+        context.err << fmt::format("    = help: {} holds {}\n", path.parent_path().string(), known);
+      }
+    }
+    return std::nullopt;
+  }
+  if (arguments.trials > 0) {
+    read.protocol->trials = arguments.trials;
+  }
+  if (arguments.duration_s > 0) {
+    read.protocol->duration_s = arguments.duration_s;
+  }
+  return read.protocol;
+}
+
+void run(const EvalArguments& arguments, CommandContext& context) {
+  const std::optional<Protocol> protocol = load_protocol(arguments, context);
+  if (!protocol) {
+    return;
+  }
+  const std::optional<SpikeImage> image = load_circuit(arguments.circuit, context, WarningPolicy::Quiet);
+  if (!image) {
+    return;
+  }
+  Progress progress(context.err,
+                    fmt::format("{} {}", arguments.tunes_pid ? "tuning for" : "evaluating", protocol->name));
+  const auto watch = [&](double done) { progress.update(done); };
+  if (arguments.tunes_pid) {
+    context.out << tuning_text(*protocol, tune_pid(*image, *protocol, arguments.threads, watch));
+    return;
+  }
+  const TrackingEvaluation evaluation = evaluate_tracking(*image, *protocol, arguments.threads, watch);
+  const std::string circuit(image->name(image->header.circuit_name));
+  context.out << (arguments.circuit.format == "json" ? tracking_json(*protocol, circuit, evaluation) + '\n'
+                                                     : tracking_text(*protocol, evaluation));
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, CommandContext& context) {
+  CLI::App* command =
+      app.add_subcommand("eval", "measure a circuit by a protocol, beside the physical limit and a PID servo");
+  auto arguments = std::make_shared<EvalArguments>();
+  add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOrImage);
+  command->add_option("--protocol", arguments->protocol, "a name out of circuits/protocols, or a file (.json)")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command->add_option("--trials", arguments->trials, "fewer or more trials than the protocol says")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  command->add_option("--duration", arguments->duration_s, "seconds of each trial, instead of the protocol's")
+      ->check(CLI::Range(1.0, 1e5))
+      ->type_name("S");
+  command
+      ->add_option("--threads", arguments->threads, "trials side by side; never changes a result [one for each core]")
+      ->check(CLI::Range(1U, 1024U))
+      ->type_name("N");
+  command->add_flag("--tune-pid", arguments->tunes_pid,
+                    "instead: search the protocol's grid for the best PID servo, on the tuning seeds");
+  command->footer(
+      "Examples:\n"
+      "  tectum eval circuits/oculomotor.json                                  the paper's protocol: about ten "
+      "minutes\n"
+      "  tectum eval circuits/oculomotor.json --trials 2 --duration 30         the same, short\n"
+      "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
+      "  tectum eval circuits/oculomotor.json --protocol paper --tune-pid      how the PID servo's gains were found\n");
+  command->callback([arguments, &context] { run(*arguments, context); });
+}
+
+}  // namespace tectum

@@ -44,21 +44,38 @@ class Reference {
     }
   }
 
-  void see(Eye eye, const HeadExposure& exposure, JointAngles& goal_deg) {
-    const auto& joints = kEyeJoints[index_of(eye)];
-    if (controller_.kind == ReferenceKind::Oracle) {
-      const Direction wanted = eye_angles_towards(params_.geometry, 0, 0, eye, exposure.target_m);
-      goal_deg[index_of(joints[0])] = wanted.pan_deg;
-      goal_deg[index_of(joints[1])] = wanted.tilt_deg;
-    } else if (controller_.kind == ReferenceKind::Pid) {
+  void see(const std::array<HeadExposure, kEyeCount>& exposures, JointAngles& goal_deg) {
+    std::array<Direction, kEyeCount> error{};
+    std::array<bool, kEyeCount> is_in_view{};
+    for (const Eye eye : {Eye::Left, Eye::Right}) {
+      const HeadExposure& exposure = exposures[index_of(eye)];
+      const auto& joints = kEyeJoints[index_of(eye)];
+      if (controller_.kind == ReferenceKind::Oracle) {
+        const Direction wanted = eye_angles_towards(params_.geometry, 0, 0, eye, exposure.target_m);
+        goal_deg[index_of(joints[0])] = wanted.pan_deg;
+        goal_deg[index_of(joints[1])] = wanted.tilt_deg;
+      }
       const EyePose pose = eye_pose(params_.geometry, exposure.joint_deg, eye);
-      const Direction error = error_in_eye(pose, wall_to_base(params_.geometry, exposure.target_m));
+      error[index_of(eye)] = error_in_eye(pose, wall_to_base(params_.geometry, exposure.target_m));
       const double half_view_deg = params_.camera.field_of_view_deg / 2;
-      const bool is_in_view = std::abs(error.pan_deg) < half_view_deg && std::abs(error.tilt_deg) < half_view_deg;
-      const double dt_s = static_cast<double>(params_.frame_period_ns) * 1e-9;
+      is_in_view[index_of(eye)] = std::abs(error[index_of(eye)].pan_deg) < half_view_deg &&
+                                  std::abs(error[index_of(eye)].tilt_deg) < half_view_deg;
+    }
+    if (controller_.kind == ReferenceKind::Pid) {
+      servo(error, is_in_view, goal_deg);
+    }
+  }
+
+ private:
+  /// An eye that does not see the target goes by the error of the one that does; when neither does, both hold.
+  void servo(const std::array<Direction, kEyeCount>& error, const std::array<bool, kEyeCount>& is_in_view,
+             JointAngles& goal_deg) {
+    const double dt_s = static_cast<double>(params_.frame_period_ns) * 1e-9;
+    for (std::size_t e = 0; e < kEyeCount; ++e) {
+      const std::size_t from = is_in_view[e] ? e : 1 - e;
       for (const auto& [joint, error_deg] :
-           {std::pair{joints[0], error.pan_deg}, std::pair{joints[1], error.tilt_deg}}) {
-        if (is_in_view) {
+           {std::pair{kEyeJoints[e][0], error[from].pan_deg}, std::pair{kEyeJoints[e][1], error[from].tilt_deg}}) {
+        if (is_in_view[from]) {
           goal_deg[index_of(joint)] = loops_[index_of(joint)].goal_deg(error_deg, dt_s);
         } else {
           loops_[index_of(joint)].lose_target();
@@ -67,7 +84,6 @@ class Reference {
     }
   }
 
- private:
   const SimHeadParams& params_;
   ReferenceController controller_;
   std::vector<PidLoop> loops_;
@@ -106,12 +122,11 @@ Recording run_reference(const SpikeImage& image, const SimulatedRunOptions& opti
   for (TimeNs turn = 0; turn < turns; ++turn) {
     head.sleep_until(turn * period_ns);
     const TimeNs now_ns = head.now_ns();
-    for (const Eye eye : {Eye::Left, Eye::Right}) {
-      HeadExposure exposure;
-      if (head.take_exposure(eye, now_ns, exposure) == CameraStatus::NewFrame) {
-        captured_ns = static_cast<TimeNs>(exposure.sequence) * period_ns;
-        reference.see(eye, exposure, goal_deg);
-      }
+    std::array<HeadExposure, kEyeCount> exposures;  // both eyes' shutters open at once
+    if (head.take_exposure(Eye::Left, now_ns, exposures[0]) == CameraStatus::NewFrame &&
+        head.take_exposure(Eye::Right, now_ns, exposures[1]) == CameraStatus::NewFrame) {
+      captured_ns = static_cast<TimeNs>(exposures[0].sequence) * period_ns;
+      reference.see(exposures, goal_deg);
     }
     head.read(now_ns, feedback);
     RecordedFrame frame = frame_at(now_ns, feedback, goal_deg);

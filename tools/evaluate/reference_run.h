@@ -9,7 +9,7 @@ namespace tectum {
 enum class ReferenceKind {
   Still,   // the eyes stay where they are
   Oracle,  // knows where the target was when the newest frame was taken, and the head's geometry: the physical limit
-  Pid      // pan and tilt of each eye by their own retinal error, free of noise; without a target in view it holds
+  Pid      // pan and tilt of each eye by its retinal error, free of noise, or by the other eye's
 };
 
 struct ReferenceController {

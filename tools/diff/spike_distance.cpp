@@ -1,0 +1,121 @@
+#include "tools/diff/spike_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace tectum {
+namespace {
+
+/// Sum over all pairs of exp(-|a_i - b_j| / tau), in one walk over both trains.
+double overlap(std::span<const double> a_ms, std::span<const double> b_ms, double tau_ms) {
+  double sum = 0, trace_a = 0, trace_b = 0, last_ms = 0;
+  for (std::size_t i = 0, j = 0; i < a_ms.size() || j < b_ms.size();) {
+    const bool takes_a = j == b_ms.size() || (i < a_ms.size() && a_ms[i] <= b_ms[j]);
+    const double now_ms = takes_a ? a_ms[i] : b_ms[j];
+    const double decay = std::exp(-(now_ms - last_ms) / tau_ms);
+    trace_a *= decay;
+    trace_b *= decay;
+    last_ms = now_ms;
+    sum += takes_a ? trace_b : trace_a;
+    (takes_a ? trace_a : trace_b) += 1;
+    ++(takes_a ? i : j);
+  }
+  return sum;
+}
+
+/// A train with the assumed spikes at both ends, and the distance of each spike to the other train's nearest.
+struct Train {
+  std::vector<double> times_ms, nearest_ms;
+};
+
+Train train_of(std::span<const double> spikes_ms, double begin_ms, double end_ms) {
+  Train train;
+  train.times_ms.push_back(begin_ms);
+  for (const double t : spikes_ms) {
+    if (t > begin_ms && t < end_ms) {
+      train.times_ms.push_back(t);
+    }
+  }
+  train.times_ms.push_back(end_ms);
+  return train;
+}
+
+void find_nearest(Train& train, const Train& other) {
+  for (const double t : train.times_ms) {
+    const auto after = std::lower_bound(other.times_ms.begin(), other.times_ms.end(), t);
+    double nearest = after == other.times_ms.end() ? INFINITY : *after - t;
+    if (after != other.times_ms.begin()) {
+      nearest = std::min(nearest, t - *std::prev(after));
+    }
+    train.nearest_ms.push_back(nearest);
+  }
+}
+
+/// Weighted local difference S_n(t) of one train within its interval k, and the interval.
+struct Local {
+  double difference_ms = 0, interval_ms = 0;
+};
+Local local_at(const Train& train, std::size_t k, double t_ms) {
+  const double interval = train.times_ms[k + 1] - train.times_ms[k];
+  const double to_next = train.times_ms[k + 1] - t_ms, from_last = t_ms - train.times_ms[k];
+  return {(train.nearest_ms[k] * to_next + train.nearest_ms[k + 1] * from_last) / interval, interval};
+}
+
+double profile(const Local& a, const Local& b) {
+  const double mean = (a.interval_ms + b.interval_ms) / 2;
+  return (a.difference_ms * b.interval_ms + b.difference_ms * a.interval_ms) / (2 * mean * mean);
+}
+
+}  // namespace
+
+double van_rossum_distance(std::span<const double> a_ms, std::span<const double> b_ms, double tau_ms) {
+  const auto self = [&](std::span<const double> train) {
+    // Each pair of different spikes twice, each spike with itself once.
+    double sum = 0, trace = 0;
+    for (std::size_t k = 0; k < train.size(); ++k) {
+      trace = k == 0 ? 0 : (trace + 1) * std::exp(-(train[k] - train[k - 1]) / tau_ms);
+      sum += 2 * trace + 1;
+    }
+    return sum;
+  };
+  const double squared = (self(a_ms) + self(b_ms) - 2 * overlap(a_ms, b_ms, tau_ms)) / 2;
+  return std::sqrt(std::max(0.0, squared));
+}
+
+double victor_purpura_distance(std::span<const double> a_ms, std::span<const double> b_ms, double cost_per_ms) {
+  std::vector<double> row(b_ms.size() + 1), before(b_ms.size() + 1);
+  for (std::size_t j = 0; j <= b_ms.size(); ++j) {
+    row[j] = static_cast<double>(j);
+  }
+  for (std::size_t i = 1; i <= a_ms.size(); ++i) {
+    before.swap(row);
+    row[0] = static_cast<double>(i);
+    for (std::size_t j = 1; j <= b_ms.size(); ++j) {
+      const double moved = before[j - 1] + cost_per_ms * std::abs(a_ms[i - 1] - b_ms[j - 1]);
+      row[j] = std::min({before[j] + 1, row[j - 1] + 1, moved});
+    }
+  }
+  return row.back();
+}
+
+double spike_distance(std::span<const double> a_ms, std::span<const double> b_ms, double begin_ms, double end_ms) {
+  Train a = train_of(a_ms, begin_ms, end_ms), b = train_of(b_ms, begin_ms, end_ms);
+  find_nearest(a, b);
+  find_nearest(b, a);
+  double area = 0, now_ms = begin_ms;
+  for (std::size_t i = 0, j = 0; i + 1 < a.times_ms.size() && j + 1 < b.times_ms.size();) {
+    const double next_ms = std::min(a.times_ms[i + 1], b.times_ms[j + 1]);
+    // Between neighbouring spikes of either train the profile is a straight line.
+    const double first = profile(local_at(a, i, now_ms), local_at(b, j, now_ms));
+    const double last = profile(local_at(a, i, next_ms), local_at(b, j, next_ms));
+    area += (first + last) / 2 * (next_ms - now_ms);
+    i += a.times_ms[i + 1] == next_ms ? 1U : 0U;
+    j += b.times_ms[j + 1] == next_ms ? 1U : 0U;
+    now_ms = next_ms;
+  }
+  return area / (end_ms - begin_ms);
+}
+
+}  // namespace tectum

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/tectum/command.h"
+#include "tools/tectum/command_diff.h"
 #include "tools/tectum/usage_error.h"
 
 namespace tectum {
@@ -20,6 +21,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   CommandContext context{out, err};
   add_check_command(app, context);
   add_compile_command(app, context);
+  add_diff_command(app, context);
   add_dump_command(app, context);
   add_explain_command(app, context);
   add_fmt_command(app, context);

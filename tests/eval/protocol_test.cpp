@@ -49,7 +49,7 @@ TEST_CASE("what is wrong in a protocol is reported where it stands") {
   for (const Case& each :
        {Case{R"(, "trails": 3)", "trails"}, Case{R"(, "trials": 0)", "trials"}, Case{R"(, "trials": 2.5)", "2.5"},
         Case{R"(, "duration": "3 deg")", "3 deg"}, Case{R"(, "camera_latency": [99])", "99"},
-        Case{R"(, "kind": "saccade")", "did you mean `saccades`?"}, Case{R"(, "kind": "saccades")", "amplitudes"},
+        Case{R"(, "kind": "physiologic")", "did you mean `physiology`?"},
         Case{R"(, "pid": {"p": 1})", "expected a list"}, Case{R"(, "published": {"by": "them"})", "rows"}}) {
     CAPTURE(each.rest);
     const ReadProtocol found = read(each.rest);

@@ -213,7 +213,6 @@ void ProtocolReader::read_trials(ObjectReader& in) {
   protocol.first_seed = static_cast<std::uint64_t>(whole(in, "first_seed", {0, 1e9}, 0));
   protocol.hold_s = numbers(in, "hold", kTime, {50, 1e6}, {protocol.scenario.random_hold_s / kSPerMs});
   std::for_each(protocol.hold_s.begin(), protocol.hold_s.end(), [](double& value) { value *= kSPerMs; });
-  protocol.amplitude_deg = numbers(in, "amplitudes", kAngle, {0.05, 60}, {});
   protocol.camera_latency_frames.clear();
   for (const double frames : numbers(in, "camera_latency", kNumber, {0, 15}, {1})) {
     protocol.camera_latency_frames.push_back(static_cast<std::uint32_t>(frames));
@@ -231,7 +230,7 @@ Protocol ProtocolReader::read() {
   (void)whole(in, "tectum_protocol", {kProtocolVersion, kProtocolVersion}, kProtocolVersion);
   protocol_.name = in.text("name");
   protocol_.about = in.text("about");
-  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind", {"tracking", "saccades", "physiology"}));
+  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind", {"tracking", "physiology"}));
   read_trials(in);
   using Read = void (ProtocolReader::*)(JsonId);
   for (const auto& [key, read] : {std::pair<const char*, Read>{"target", &ProtocolReader::read_target},
@@ -243,11 +242,8 @@ Protocol ProtocolReader::read() {
       (this->*read)(id);
     }
   }
-  if (protocol_.kind == ProtocolKind::Tracking && !in.has("target")) {
+  if (!in.has("target")) {
     in.report_missing("target");
-  }
-  if (protocol_.kind == ProtocolKind::Saccades && !in.has("amplitudes")) {
-    in.report_missing("amplitudes");
   }
   in.finish();
   return protocol_;

@@ -45,7 +45,7 @@ struct Setting {
   std::uint32_t camera_latency_frames = 1;
 };
 
-enum class ProtocolKind { Tracking, Saccades, Physiology };
+enum class ProtocolKind { Tracking, Physiology };
 
 struct Protocol {
   std::string name;
@@ -60,7 +60,6 @@ struct Protocol {
   std::uint64_t first_seed = 0;
   std::vector<double> hold_s = {1};
   std::vector<std::uint32_t> camera_latency_frames = {1};
-  std::vector<double> amplitude_deg;  // Saccades: sizes of the single steps
   std::vector<TunedPid> pid;
   PidTuning tuning;
   std::string published_by;

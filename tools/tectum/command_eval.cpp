@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tools/evaluate/evaluation_text.h"
+#include "tools/evaluate/physiology.h"
 #include "tools/evaluate/protocol.h"
 #include "tools/evaluate/tracking_evaluation.h"
 #include "tools/tectum/load_circuit.h"
@@ -88,10 +89,18 @@ void run(const EvalArguments& arguments, CommandContext& context) {
     context.out << tuning_text(*protocol, tune_pid(*image, *protocol, arguments.threads, watch));
     return;
   }
+  const bool is_json = arguments.circuit.format == "json";
+  if (protocol->kind == ProtocolKind::Physiology) {
+    const std::string name(image->name(image->header.circuit_name));
+    const std::vector<Yardstick> yardsticks = physiology(*image, *protocol, arguments.threads, watch);
+    context.out << (is_json ? physiology_json(*protocol, name, yardsticks) + '\n'
+                            : physiology_text(*protocol, yardsticks));
+    return;
+  }
   const TrackingEvaluation evaluation = evaluate_tracking(*image, *protocol, arguments.threads, watch);
   const std::string circuit(image->name(image->header.circuit_name));
-  context.out << (arguments.circuit.format == "json" ? tracking_json(*protocol, circuit, evaluation) + '\n'
-                                                     : tracking_text(*protocol, evaluation));
+  context.out << (is_json ? tracking_json(*protocol, circuit, evaluation) + '\n'
+                          : tracking_text(*protocol, evaluation));
 }
 
 }  // namespace

@@ -17,6 +17,14 @@ bool write_array(const std::string& folder, const char* name, const std::vector<
   return static_cast<bool>(file);
 }
 
+std::vector<std::uint32_t> ticks_of(const Stimulus& spikes) {
+  std::vector<std::uint32_t> ticks;
+  for (std::size_t tick = 0; tick + 1 < spikes.begin.size(); ++tick) {
+    ticks.insert(ticks.end(), spikes.of(tick).size(), static_cast<std::uint32_t>(tick));
+  }
+  return ticks;
+}
+
 bool write_synapses(const SpikeImage& image, const std::string& folder) {
   const SlotRanges ranges(image);
   std::vector<std::uint32_t> pre, post, receptor, delay_ticks;
@@ -44,7 +52,8 @@ bool write_synapses(const SpikeImage& image, const std::string& folder) {
 
 }  // namespace
 
-std::string export_network(const SpikeImage& image, const Stimulus& stimulus, const std::string& folder) {
+std::string export_network(const SpikeImage& image, const Stimulus& stimulus, const Stimulus& raster,
+                           const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
@@ -56,13 +65,11 @@ std::string export_network(const SpikeImage& image, const Stimulus& stimulus, co
       initial[group.first_neuron + i] = GroupParameters(image, group).value(lif_parameter::kInitialV, i);
     }
   }
-  std::vector<std::uint32_t> stimulus_tick;
-  for (std::size_t tick = 0; tick + 1 < stimulus.begin.size(); ++tick) {
-    stimulus_tick.insert(stimulus_tick.end(), stimulus.of(tick).size(), static_cast<std::uint32_t>(tick));
-  }
   const bool is_written = write_synapses(image, folder) && write_array(folder, "initial.f64", initial) &&
-                          write_array(folder, "stimulus_tick.u32", stimulus_tick) &&
-                          write_array(folder, "stimulus_neuron.u32", stimulus.neurons);
+                          write_array(folder, "stimulus_tick.u32", ticks_of(stimulus)) &&
+                          write_array(folder, "stimulus_neuron.u32", stimulus.neurons) &&
+                          write_array(folder, "spike_tick.u32", ticks_of(raster)) &&
+                          write_array(folder, "spike_neuron.u32", raster.neurons);
   return is_written ? "" : folder + ": cannot write";
 }
 

@@ -71,24 +71,36 @@ void sweep_one(const SweepConstants c, std::uint32_t size, float* __restrict v, 
 
 }  // namespace
 
+namespace {
+
+Stimulus record(const SpikeImage& image, std::uint64_t ticks, const std::vector<bool>& is_wanted) {
+  Stimulus spikes;
+  spikes.begin.push_back(0);
+  SpikeEngine engine(image);
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    engine.step();
+    for (const NeuronId neuron : engine.spikes()) {
+      if (is_wanted[static_cast<std::uint32_t>(neuron)]) {
+        spikes.neurons.push_back(static_cast<std::uint32_t>(neuron));
+      }
+    }
+    spikes.begin.push_back(static_cast<std::uint32_t>(spikes.neurons.size()));
+  }
+  return spikes;
+}
+
+}  // namespace
+
 Stimulus record_stimulus(const SpikeImage& image, std::uint64_t ticks) {
   std::vector<bool> is_stimulus(image.header.neuron_count);
   for (const GroupRecord& group : image.groups) {
     std::fill_n(is_stimulus.begin() + group.first_neuron, group.size, is_source(group.model));
   }
-  Stimulus stimulus;
-  stimulus.begin.push_back(0);
-  SpikeEngine engine(image);
-  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    engine.step();
-    for (const NeuronId neuron : engine.spikes()) {
-      if (is_stimulus[static_cast<std::uint32_t>(neuron)]) {
-        stimulus.neurons.push_back(static_cast<std::uint32_t>(neuron));
-      }
-    }
-    stimulus.begin.push_back(static_cast<std::uint32_t>(stimulus.neurons.size()));
-  }
-  return stimulus;
+  return record(image, ticks, is_stimulus);
+}
+
+Stimulus record_raster(const SpikeImage& image, std::uint64_t ticks) {
+  return record(image, ticks, std::vector<bool>(image.header.neuron_count, true));
 }
 
 std::optional<Floor> Floor::make(const SpikeImage& image) {

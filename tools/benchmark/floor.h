@@ -29,6 +29,8 @@ struct Stimulus {
 
 /// Runs the engine once and keeps what its poisson, spike_list and field populations fire.
 [[nodiscard]] Stimulus record_stimulus(const SpikeImage& image, std::uint64_t ticks);
+/// The same of every neuron.
+[[nodiscard]] Stimulus record_raster(const SpikeImage& image, std::uint64_t ticks);
 
 class Floor {
  public:

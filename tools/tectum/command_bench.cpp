@@ -166,7 +166,8 @@ std::optional<BenchResult> measure(const std::string& path, const BenchArguments
     const auto ticks = static_cast<std::uint64_t>(
         std::llround(arguments.duration_s * 1e9 / static_cast<double>(image->header.tick_ns)));
     const std::string folder = (std::filesystem::path(arguments.export_folder) / result.name).string();
-    const std::string error = export_network(*image, record_stimulus(*image, ticks), folder);
+    const std::string error =
+        export_network(*image, record_stimulus(*image, ticks), record_raster(*image, ticks), folder);
     if (!error.empty()) {
       context.err << fmt::format("tectum: {}\n", error);
       context.exit_status = kExitTrouble;
@@ -307,7 +308,8 @@ void add_bench_command(CLI::App& app, CommandContext& context) {
   command->add_option("--read-out", arguments->read_out_ms, "read the spikes out after so many ms and time each step")
       ->check(CLI::Range(0.001, 1e4))
       ->type_name("MS");
-  command->add_option("--export", arguments->export_folder, "write edges and stimulus here, for another simulator")
+  command
+      ->add_option("--export", arguments->export_folder, "write edges, stimulus and spikes here, for another simulator")
       ->type_name("DIR");
   command->add_option("--format", arguments->format, "text or json")->check(CLI::IsMember({"text", "json"}));
   command->footer(

@@ -74,5 +74,7 @@ struct LiveRun {
 
 /// Deadlines, latencies, wire and faults, as lines.
 [[nodiscard]] std::string live_figures_text(const LiveRun& run);
+/// The same as one JSON object: latency_ms, deadlines, bus, recorder.
+[[nodiscard]] std::string live_figures_json(const LiveRun& run);
 
 }  // namespace tectum

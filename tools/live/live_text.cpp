@@ -1,9 +1,21 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/live/live_run.h"
 
 namespace tectum {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json latency_json(const LatencyHistogram& histogram) {
+  const auto ms = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-6; };
+  return {{"median", ms(histogram.quantile_ns(0.5))},
+          {"p99", ms(histogram.quantile_ns(0.99))},
+          {"p99_9", ms(histogram.quantile_ns(0.999))},
+          {"most", ms(histogram.longest_ns())}};
+}
 
 std::string latency_row(const char* what, const LatencyHistogram& histogram) {
   const auto ms = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-6; };
@@ -26,8 +38,9 @@ std::string live_figures_text(const LiveRun& run) {
   for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
     text += latency_row(kStages[stage], f.stages[stage]);
   }
-  text += fmt::format("\nmissed deadlines: {} of {} turns ({} late by a period or more, {} periods skipped)\n",
-                      f.missed_deadlines, f.loop.turns, f.loop.late_turns, f.loop.skipped_periods);
+  text += fmt::format("\nmissed deadlines: {} of {} periods ({} commands late, {} periods skipped)\n",
+                      f.missed_deadlines, f.loop.turns + f.loop.skipped_periods,
+                      f.missed_deadlines - f.loop.skipped_periods, f.loop.skipped_periods);
   text += fmt::format("frames: left {}, right {}; refused {}; commands {} ({} not taken)\n", f.loop.frames[0],
                       f.loop.frames[1], f.loop.refused_frames[0] + f.loop.refused_frames[1], f.head.commands,
                       f.loop.failed_writes);
@@ -42,6 +55,33 @@ std::string live_figures_text(const LiveRun& run) {
                         f.lost_spikes);
   }
   return text;
+}
+
+std::string live_figures_json(const LiveRun& run) {
+  const LiveFigures& f = run.figures;
+  Json json;
+  Json& latency = json["latency_ms"];
+  latency["frames_to_command"] = latency_json(f.frame_to_command);
+  latency["frames_to_last_byte"] = latency_json(f.frame_to_last_byte);
+  latency["exposure_to_turn"] = latency_json(f.exposure_to_turn);
+  latency["behind_schedule"] = latency_json(f.lateness);
+  latency["eye_skew"] = latency_json(f.eye_skew);
+  constexpr std::array<const char*, 5> kStages = {"read", "encode", "step", "decode", "write"};
+  for (std::size_t stage = 0; stage < kStages.size(); ++stage) {
+    latency["stages"][kStages[stage]] = latency_json(f.stages[stage]);
+  }
+  json["deadlines"] = {{"periods", f.loop.turns + f.loop.skipped_periods},
+                       {"missed", f.missed_deadlines},
+                       {"late_commands", f.missed_deadlines - f.loop.skipped_periods},
+                       {"skipped_periods", f.loop.skipped_periods}};
+  json["bus"] = {{"commands", f.head.commands},          {"commands_not_taken", f.loop.failed_writes},
+                 {"questions", f.head.wire.requests},    {"retries", f.head.wire.retries},
+                 {"failures", f.head.wire.failures},     {"time_outs", f.head.wire.time_outs},
+                 {"broken_off", f.head.wire.broken_off}, {"bad_checksums", f.head.wire.bad_checksums},
+                 {"positions", f.head.positions},        {"not_confirmed", f.head.unconfirmed},
+                 {"reconnections", f.head.reconnections}};
+  json["recorder"] = {{"lost_turns", f.lost_frames}, {"lost_spikes", f.lost_spikes}};
+  return json.dump();
 }
 
 }  // namespace tectum

@@ -1,6 +1,8 @@
 // tectum run: a circuit on the simulated head, or on recorded video.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -258,7 +260,7 @@ void write_files(const Recording& recording, const RunArguments& arguments, doub
 }
 
 std::optional<Recording> run_real_time(const SpikeImage& image, const RunArguments& arguments, CommandContext& context,
-                                       std::string& figures) {
+                                       HeadFigures& figures) {
   HeadRunRequest request;
   request.head = arguments.head;
   request.simulation = simulation_of(image, arguments);
@@ -289,7 +291,7 @@ void run(const RunArguments& arguments, CommandContext& context) {
     return;
   }
   const auto begin = std::chrono::steady_clock::now();
-  std::string figures;
+  HeadFigures figures;
   const std::optional<Recording> recording = is_head    ? run_real_time(*image, arguments, context, figures)
                                              : is_video ? run_video(*image, arguments, context)
                                                         : run_head(*image, arguments, context);
@@ -300,14 +302,20 @@ void run(const RunArguments& arguments, CommandContext& context) {
   const double times_real_time = recording->duration_s / wall_s;
   const RunSummary summary = summarize_run(*recording);
   if (arguments.circuit.format == "json") {
-    context.out << run_summary_json(*recording, summary) << '\n';
+    std::string json = run_summary_json(*recording, summary);
+    if (is_head) {
+      auto with_head = nlohmann::ordered_json::parse(json);
+      with_head["head"] = nlohmann::ordered_json::parse(figures.json);
+      json = with_head.dump(2);
+    }
+    context.out << json << '\n';
   } else {
     if (is_video) {
       context.out << video_text(*recording, arguments.lines);
     }
     context.out << run_table_text(summary);
     if (is_head) {
-      context.out << '\n' << figures;
+      context.out << '\n' << figures.text;
     } else {
       context.err << fmt::format("{:.0f} s in {:.2f} s: {:.0f} times real time\n", recording->duration_s, wall_s,
                                  times_real_time);

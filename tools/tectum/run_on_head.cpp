@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "tools/analysis/run_summary.h"
 #include "tools/live/dashboard.h"
@@ -92,6 +93,18 @@ std::string comparison_text(const RunSummary& real, const RunSummary& virtual_ti
   return text;
 }
 
+nlohmann::ordered_json comparison_json(const RunSummary& real, const RunSummary& virtual_time) {
+  nlohmann::ordered_json json;
+  for (std::size_t e = 0; e < kEyeCount; ++e) {
+    const EyeMetrics& a = real.tracking.eye[e];
+    const EyeMetrics& b = virtual_time.tracking.eye[e];
+    json[e == 0 ? "left" : "right"] = {
+        {"horizontal", {{"real_time", a.pan.all.rmse_deg}, {"virtual_time", b.pan.all.rmse_deg}}},
+        {"vertical", {{"real_time", a.tilt.all.rmse_deg}, {"virtual_time", b.tilt.all.rmse_deg}}}};
+  }
+  return json;
+}
+
 std::optional<HeadFile> read_head(const std::string& path, CommandContext& context) {
   ReadHead read = read_head_file(path);
   if (!read.error.empty()) {
@@ -120,7 +133,7 @@ void add_head_arguments(CLI::App& command, HeadArguments& arguments) {
 }
 
 std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunRequest& request, CommandContext& context,
-                                     std::string& figures) {
+                                     HeadFigures& figures) {
   const std::optional<HeadFile> file = read_head(request.head.path, context);
   if (!file) {
     return std::nullopt;
@@ -179,13 +192,18 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
       return std::nullopt;
     }
   }
-  figures = live_figures_text(run);
+  figures.text = live_figures_text(run);
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(live_figures_json(run));
   if (head->emulated() != nullptr && !run.recording.frames.empty()) {
     SimulatedRunOptions same = request.simulation;
     same.head = simulation;
     same.duration_s = run.recording.duration_s;
-    figures += "\n" + comparison_text(summarize_run(run.recording), summarize_run(run_simulated_head(image, same)));
+    const RunSummary real = summarize_run(run.recording);
+    const RunSummary virtual_time = summarize_run(run_simulated_head(image, same));
+    figures.text += "\n" + comparison_text(real, virtual_time);
+    json["rmse_deg"] = comparison_json(real, virtual_time);
   }
+  figures.json = json.dump();
   return std::move(run.recording);
 }
 

@@ -28,9 +28,15 @@ struct HeadRunRequest {
   std::string record_path;  // empty for none
 };
 
-/// Prints what happens to the error stream, and deadlines and latencies, with tracking beside virtual time for an
-/// emulated head, to `figures`. Nothing when there was no run; that has been said and the exit status set.
+/// Deadlines, latencies and bus, with tracking beside virtual time for an emulated head.
+struct HeadFigures {
+  std::string text;
+  std::string json;  // one object
+};
+
+/// Prints what happens to the error stream, and fills `figures`. Nothing when there was no run; that has been said and
+/// the exit status set.
 [[nodiscard]] std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunRequest& request,
-                                                   CommandContext& context, std::string& figures);
+                                                   CommandContext& context, HeadFigures& figures);
 
 }  // namespace tectum

@@ -18,19 +18,6 @@ void pause_briefly() noexcept {
 #endif
 }
 
-// Waits until `value` is no longer `old`.
-void wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t old) noexcept {
-  for (unsigned turn = 0; value.load(std::memory_order_acquire) == old; ++turn) {
-    if (turn < kSpins) {
-      pause_briefly();
-    } else if (turn < kSpins + kYields) {
-      std::this_thread::yield();
-    } else {
-      value.wait(old, std::memory_order_acquire);
-    }
-  }
-}
-
 }  // namespace
 
 ThreadTeam::ThreadTeam(unsigned member_count) : member_count_(member_count) {
@@ -41,11 +28,32 @@ ThreadTeam::ThreadTeam(unsigned member_count) : member_count_(member_count) {
 
 ThreadTeam::~ThreadTeam() {
   is_over_.store(true, std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
-  round_.notify_all();
+  advance(round_);
   for (std::thread& thread : threads_) {
     thread.join();
   }
+}
+
+void ThreadTeam::wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t old) noexcept {
+  for (unsigned turn = 0; turn < kSpins + kYields; ++turn) {
+    if (value.load(std::memory_order_acquire) != old) {
+      return;
+    }
+    if (turn < kSpins) {
+      pause_briefly();
+    } else {
+      std::this_thread::yield();
+    }
+  }
+  std::unique_lock lock(sleep_);
+  wake_.wait(lock, [&] { return value.load(std::memory_order_acquire) != old; });
+}
+
+void ThreadTeam::advance(std::atomic<std::uint32_t>& value) noexcept {
+  value.fetch_add(1, std::memory_order_release);
+  // Who looked at the old value under the lock is asleep by now, and who looks later sees the new one.
+  { const std::lock_guard lock(sleep_); }
+  wake_.notify_all();
 }
 
 void ThreadTeam::serve(unsigned member) noexcept {
@@ -63,8 +71,7 @@ void ThreadTeam::meet() noexcept {
   const std::uint32_t meeting = meeting_.load(std::memory_order_relaxed);
   if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == member_count_) {
     arrived_.store(0, std::memory_order_relaxed);
-    meeting_.store(meeting + 1, std::memory_order_release);
-    meeting_.notify_all();
+    advance(meeting_);
   } else {
     wait_for_change(meeting_, meeting);
   }
@@ -73,8 +80,7 @@ void ThreadTeam::meet() noexcept {
 void ThreadTeam::run(Work work, void* context) noexcept {
   work_ = work;
   context_ = context;
-  round_.fetch_add(1, std::memory_order_release);
-  round_.notify_all();
+  advance(round_);
   work(context, 0);
   meet();
 }

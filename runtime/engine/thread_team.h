@@ -2,7 +2,9 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -27,6 +29,10 @@ class ThreadTeam {
 
  private:
   void serve(unsigned member) noexcept;
+  /// Returns once `value`, one of the counters below, is no longer `old`.
+  void wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t old) noexcept;
+  /// Adds 1 to a counter and wakes who sleeps over it.
+  void advance(std::atomic<std::uint32_t>& value) noexcept;
 
   unsigned member_count_;
   Work work_ = nullptr;
@@ -35,6 +41,8 @@ class ThreadTeam {
   alignas(64) std::atomic<std::uint32_t> arrived_{0};  // at the meeting point
   alignas(64) std::atomic<std::uint32_t> meeting_{0};  // how many meetings are over
   std::atomic<bool> is_over_{false};
+  std::mutex sleep_;
+  std::condition_variable wake_;
   std::vector<std::thread> threads_;
 };
 

@@ -25,23 +25,29 @@ double overlap(std::span<const double> a_ms, std::span<const double> b_ms, doubl
   return sum;
 }
 
-/// A train with the assumed spikes at both ends, and the distance of each spike to the other train's nearest.
+/// A train between two assumed spikes, and the distance of each spike to the other train's nearest.
 struct Train {
   std::vector<double> times_ms, nearest_ms;
 };
 
+/// The assumed spikes lie at the ends, or one interval beyond the outermost spike where that is farther out. A train
+/// without spikes has one at each end.
 Train train_of(std::span<const double> spikes_ms, double begin_ms, double end_ms) {
-  Train train;
-  train.times_ms.push_back(begin_ms);
-  for (const double t : spikes_ms) {
-    if (t > begin_ms && t < end_ms) {
-      train.times_ms.push_back(t);
-    }
+  std::vector<double> own(spikes_ms.begin(), spikes_ms.end());
+  if (own.empty()) {
+    own = {begin_ms, end_ms};
   }
-  train.times_ms.push_back(end_ms);
+  const std::size_t n = own.size();
+  const double before_ms = n > 1 ? std::min(begin_ms, own[0] - (own[1] - own[0])) : begin_ms;
+  const double after_ms = n > 1 ? std::max(end_ms, own[n - 1] + (own[n - 1] - own[n - 2])) : end_ms;
+  Train train;
+  train.times_ms.push_back(before_ms);
+  train.times_ms.insert(train.times_ms.end(), own.begin(), own.end());
+  train.times_ms.push_back(after_ms);
   return train;
 }
 
+/// An assumed spike is as far from the other train as the outermost spike: nothing is known beyond that.
 void find_nearest(Train& train, const Train& other) {
   for (const double t : train.times_ms) {
     const auto after = std::lower_bound(other.times_ms.begin(), other.times_ms.end(), t);
@@ -51,6 +57,8 @@ void find_nearest(Train& train, const Train& other) {
     }
     train.nearest_ms.push_back(nearest);
   }
+  train.nearest_ms.front() = train.nearest_ms[1];
+  train.nearest_ms.back() = train.nearest_ms[train.nearest_ms.size() - 2];
 }
 
 /// Weighted local difference S_n(t) of one train within its interval k, and the interval.
@@ -104,9 +112,10 @@ double spike_distance(std::span<const double> a_ms, std::span<const double> b_ms
   Train a = train_of(a_ms, begin_ms, end_ms), b = train_of(b_ms, begin_ms, end_ms);
   find_nearest(a, b);
   find_nearest(b, a);
+  std::size_t i = a.times_ms[1] <= begin_ms ? 1 : 0, j = b.times_ms[1] <= begin_ms ? 1 : 0;
   double area = 0, now_ms = begin_ms;
-  for (std::size_t i = 0, j = 0; i + 1 < a.times_ms.size() && j + 1 < b.times_ms.size();) {
-    const double next_ms = std::min(a.times_ms[i + 1], b.times_ms[j + 1]);
+  while (now_ms < end_ms) {
+    const double next_ms = std::min({a.times_ms[i + 1], b.times_ms[j + 1], end_ms});
     // Between neighbouring spikes of either train the profile is a straight line.
     const double first = profile(local_at(a, i, now_ms), local_at(b, j, now_ms));
     const double last = profile(local_at(a, i, next_ms), local_at(b, j, next_ms));

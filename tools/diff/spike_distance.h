@@ -17,8 +17,10 @@ namespace tectum {
                                              double cost_per_ms);
 
 /// Mean over [begin, end) of the SPIKE dissimilarity profile, in [0, 1], exact: the profile is integrated piece by
-/// piece. Spikes at begin and end of both trains are assumed, as its authors do. Needs: begin_ms < end_ms, spikes
-/// inside. Kreuz, Chicharro, Houghton, Andrzejak & Mormann 2013, J Neurophysiol 109:1457, doi:10.1152/jn.00873.2012.
+/// piece. Needs: begin_ms < end_ms, spikes within both. Kreuz, Chicharro, Houghton, Andrzejak & Mormann 2013,
+/// J Neurophysiol 109:1457, doi:10.1152/jn.00873.2012; what happens before the first and after the last spike of a
+/// train as in its authors' SPIKY and PySpike: Kreuz, Mulansky & Bozanic 2015, J Neurophysiol 113:3432,
+/// doi:10.1152/jn.00848.2014.
 [[nodiscard]] double spike_distance(std::span<const double> a_ms, std::span<const double> b_ms, double begin_ms,
                                     double end_ms);
 

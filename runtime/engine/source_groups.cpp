@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "runtime/engine/group_parameters.h"
@@ -55,6 +56,7 @@ PoissonGroup::PoissonGroup(const SpikeImage& image, const GroupRecord& group)
       name_hash_(name_hash(image.name(image.populations[group.population].name))),
       first_index_(group.first_neuron - image.populations[group.population].first_neuron),
       draw_count_(group.size),
+      second_half_(group.size),
       fires_(group.size),
       next_(group.size),
       buckets_(kBuckets) {
@@ -65,7 +67,7 @@ PoissonGroup::PoissonGroup(const SpikeImage& image, const GroupRecord& group)
     const auto [entry, is_new] = index_of_rate.emplace(rate_hz, static_cast<std::uint32_t>(chances_.size()));
     chance_of_.push_back(entry->second);
     if (is_new) {
-      Chance chance{rate_hz, {}};
+      Chance chance{rate_hz, {}, {}, {}};
       double silent = 1.0 - std::min(rate_hz * parameters.tick_ms() * 1e-3, 1.0);
       for (double& power : chance.silent) {
         power = silent;
@@ -74,29 +76,69 @@ PoissonGroup::PoissonGroup(const SpikeImage& image, const GroupRecord& group)
       chances_.push_back(chance);
     }
   }
+  for (Chance& chance : chances_) {
+    if (chances_.size() <= kTabledRates) {
+      chance.make_tables();
+    }
+  }
   PoissonGroup::reset();
 }
 
-std::uint32_t PoissonGroup::draw_wait(std::uint32_t neuron) noexcept {
-  const std::uint64_t draw = draw_count_[neuron]++;
-  const std::uint64_t block = draw / 2;
-  const PhiloxWords words = philox4x32(
-      key_, {static_cast<std::uint32_t>(block), first_index_ + neuron, static_cast<std::uint32_t>(name_hash_),
-             static_cast<std::uint32_t>((name_hash_ ^ block) >> 32U)});
-  const std::size_t half = 2 * (draw % 2);
-  const std::uint64_t bits = (std::uint64_t{words[half + 1]} << 32U) | words[half];
-  const double left = static_cast<double>((bits >> 11U) + 1) * 0x1p-53;  // 1 - u, in (0, 1]
-  const Chance& chance = chances_[chance_of_[neuron]];
-  std::uint32_t wait = 0;
-  double silent = 1.0;
+double PoissonGroup::Chance::silent_for_ticks(std::uint32_t wait) const noexcept {
+  double product = 1.0;  // in the order in which wait_of() multiplies, so that the two agree to the last bit
   for (std::uint32_t b = kWaitBits; b-- > 0;) {
-    const double longer = silent * chance.silent[b];
+    product *= (wait >> b & 1U) != 0 ? silent[b] : 1.0;
+  }
+  return product;
+}
+
+void PoissonGroup::Chance::make_tables() {
+  std::vector<double> chances;
+  for (std::uint32_t wait = 0; wait <= kMaxWait; ++wait) {
+    chances.push_back(silent_for_ticks(wait));
+  }
+  if (std::adjacent_find(chances.begin(), chances.end(), std::less_equal<>()) != chances.end()) {
+    return;
+  }
+  for (std::uint32_t j = 0; j <= kGuideSize; ++j) {
+    guide.push_back(static_cast<std::uint16_t>(wait_of(std::min(1.0, (j + 1.0) / kGuideSize))));
+  }
+  silent_for = std::move(chances);
+}
+
+std::uint32_t PoissonGroup::Chance::wait_of(double left) const noexcept {
+  std::uint32_t wait = 0;
+  if (!silent_for.empty()) {
+    wait = guide[static_cast<std::uint32_t>(left * kGuideSize)];
+    while (wait < kMaxWait && silent_for[wait + 1] >= left) {
+      ++wait;
+    }
+    return wait;
+  }
+  double product = 1.0;
+  for (std::uint32_t b = kWaitBits; b-- > 0;) {
+    const double longer = product * silent[b];
     if (longer >= left) {
-      silent = longer;
+      product = longer;
       wait += 1U << b;
     }
   }
   return wait;
+}
+
+std::uint32_t PoissonGroup::draw_wait(std::uint32_t neuron) noexcept {
+  const std::uint64_t draw = draw_count_[neuron]++;
+  std::uint64_t bits = second_half_[neuron];
+  if (draw % 2 == 0) {
+    const std::uint64_t block = draw / 2;
+    const PhiloxWords words = philox4x32(
+        key_, {static_cast<std::uint32_t>(block), first_index_ + neuron, static_cast<std::uint32_t>(name_hash_),
+               static_cast<std::uint32_t>((name_hash_ ^ block) >> 32U)});
+    bits = (std::uint64_t{words[1]} << 32U) | words[0];
+    second_half_[neuron] = (std::uint64_t{words[3]} << 32U) | words[2];
+  }
+  const double left = static_cast<double>((bits >> 11U) + 1) * 0x1p-53;  // 1 - u, in (0, 1]
+  return chances_[chance_of_[neuron]].wait_of(left);
 }
 
 void PoissonGroup::schedule(std::uint32_t neuron, std::uint64_t tick) noexcept {

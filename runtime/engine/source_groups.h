@@ -43,9 +43,20 @@ class PoissonGroup final : public UpdateGroup {
   static constexpr std::uint32_t kMaxWait = (1U << kWaitBits) - 1;  // ticks
   static constexpr std::uint32_t kBuckets = 2 << kWaitBits;         // more than the longest wait plus one
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kTabledRates = 8;  // of a group: each table takes 9 KiB
+  static constexpr std::uint32_t kGuideSize = 512;
   struct Chance {
     double rate_hz;
     double silent[kWaitBits];  // (1 - p)^(2^b)
+    /// The same search, tabled: (1 - p)^n for n = 0 .. kMaxWait, and where to begin in it for a 1 - u between j /
+    /// kGuideSize and the next. Empty where a group has many rates, or a rate so low that the powers do not fall.
+    std::vector<double> silent_for;
+    std::vector<std::uint16_t> guide;
+
+    void make_tables();
+    [[nodiscard]] double silent_for_ticks(std::uint32_t wait) const noexcept;
+    /// The largest wait whose chance is at least `left`.
+    [[nodiscard]] std::uint32_t wait_of(double left) const noexcept;
   };
 
   [[nodiscard]] std::uint32_t draw_wait(std::uint32_t neuron) noexcept;
@@ -54,13 +65,14 @@ class PoissonGroup final : public UpdateGroup {
 
   std::uint64_t key_;
   std::uint64_t name_hash_;
-  std::uint32_t first_index_;              // of the group in its population
-  std::vector<Chance> chances_;            // one for each rate
-  std::vector<std::uint32_t> chance_of_;   // [neuron]
-  std::vector<std::uint64_t> draw_count_;  // [neuron]
-  std::vector<std::uint8_t> fires_;        // [neuron] what is due is a spike, not a draw
-  std::vector<std::uint32_t> next_;        // [neuron] in the same bucket
-  std::vector<std::uint32_t> buckets_;     // [tick mod kBuckets] first neuron due
+  std::uint32_t first_index_;               // of the group in its population
+  std::vector<Chance> chances_;             // one for each rate
+  std::vector<std::uint32_t> chance_of_;    // [neuron]
+  std::vector<std::uint64_t> draw_count_;   // [neuron]
+  std::vector<std::uint64_t> second_half_;  // [neuron] of the block that its last even draw began
+  std::vector<std::uint8_t> fires_;         // [neuron] what is due is a spike, not a draw
+  std::vector<std::uint32_t> next_;         // [neuron] in the same bucket
+  std::vector<std::uint32_t> buckets_;      // [tick mod kBuckets] first neuron due
 };
 
 class SpikeListGroup final : public UpdateGroup {

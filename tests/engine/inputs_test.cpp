@@ -121,6 +121,24 @@ TEST_CASE("a Poisson train depends on its population's name and the seed, not on
   CHECK(train("noise", 1, false) != train("hiss", 1, false));
 }
 
+TEST_CASE("a Poisson train is the same however many rates its group has, tabled or searched for") {
+  const auto trains = [](std::size_t rates) {
+    const std::vector<double> all{0.0, 1e-7, 0.3, 5.0, 20.0, 333.0, 4000.0, 10000.0, 17.0, 18.0, 19.0};
+    TestNetwork network;
+    network.add("noise", {ModelKind::Poisson,
+                          static_cast<std::uint32_t>(rates),
+                          {{"rate", {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(rates)}}},
+                          {},
+                          false});
+    Raster raster = run_image(build_image(network), 60'000);
+    std::erase_if(raster, [](const auto& spike) { return spike.second >= 8; });
+    return raster;
+  };
+  const Raster tabled = trains(8);
+  CHECK(tabled.size() > 80'000);
+  CHECK(tabled == trains(11));
+}
+
 TEST_CASE("counters count ticks, spikes and synaptic events") {
   TestNetwork network;
   network.add_spikes("given", {{0, 1, 2}});

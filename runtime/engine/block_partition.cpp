@@ -9,7 +9,7 @@ std::size_t words_for(std::size_t neurons) { return (neurons + kWordBits - 1) / 
 
 }  // namespace
 
-BlockPartition::BlockPartition(const BlockNetwork& network, std::vector<GroupPart> parts)
+BlockPartition::BlockPartition(const BlockNetwork& network, std::vector<GroupPart> parts, bool is_one_of_several)
     : network_(network),
       wheel_(network.image.header.max_delay_ticks, rows_in_flight(network.image)),
       part_of_(network.groups.size(), kNone),
@@ -50,6 +50,9 @@ BlockPartition::BlockPartition(const BlockNetwork& network, std::vector<GroupPar
       list += part.end - part.begin + 1;
     }
   }
+  if (is_one_of_several) {
+    list_own_runs();
+  }
   reset();
 }
 
@@ -72,27 +75,42 @@ void BlockPartition::rouse(std::uint32_t group) noexcept {
   }
 }
 
-void BlockPartition::prefetch(std::uint32_t index) const noexcept {
+void BlockPartition::prefetch(const SegmentRecord& segment, std::uint32_t begin, std::uint32_t end) const noexcept {
   constexpr std::uint32_t kLineElements = 16;
   constexpr std::uint32_t kLongest = 256;  // elements; the processor follows longer rows by itself
-  const SegmentRecord& segment = network_.image.segments[index];
-  const std::uint32_t size = network_.image.segments[index + 1].target_begin - segment.target_begin;
   const bool has_one_weight = (segment.flags & kSegmentOneWeight) != 0;
-  for (std::uint32_t at = 0; at < std::min(size, kLongest); at += kLineElements) {
-    __builtin_prefetch(network_.image.targets.data() + segment.target_begin + at);
-    __builtin_prefetch(network_.image.weights.data() + segment.weight_begin + (has_one_weight ? 0 : at));
+  for (std::uint32_t at = begin; at < std::min(end, begin + kLongest); at += kLineElements) {
+    __builtin_prefetch(network_.image.targets.data() + at);
+    __builtin_prefetch(network_.image.weights.data() + segment.weight_begin +
+                       (has_one_weight ? 0 : at - segment.target_begin));
   }
 }
 
-// Cuts a segment into runs of one receptor of one of this partition's parts.
-template <typename TakeRun>
-void BlockPartition::split_row(std::uint32_t index, TakeRun take_run) noexcept {
+// First where the row is found, then, when that has come, the row itself.
+void BlockPartition::prefetch_place(std::uint32_t index) const noexcept {
+  __builtin_prefetch(network_.image.segments.data() + index);
+  if (!own_run_begin_.empty()) {
+    __builtin_prefetch(own_run_begin_.data() + index);
+  }
+}
+
+void BlockPartition::prefetch(std::uint32_t index) const noexcept {
   const SegmentRecord& segment = network_.image.segments[index];
-  const std::uint32_t* const begin = network_.image.targets.data() + segment.target_begin;
-  const std::uint32_t* const end = network_.image.targets.data() + network_.image.segments[index + 1].target_begin;
-  const std::int32_t* const weights = network_.image.weights.data() + segment.weight_begin;
-  const bool has_one_weight = (segment.flags & kSegmentOneWeight) != 0;
-  for (const std::uint32_t* at = begin; at != end;) {
+  if (own_run_begin_.empty()) {
+    prefetch(segment, segment.target_begin, network_.image.segments[index + 1].target_begin);
+    return;
+  }
+  for (std::uint32_t r = own_run_begin_[index]; r < own_run_begin_[index + 1]; ++r) {
+    prefetch(segment, own_runs_[r].begin, own_runs_[r].end);
+  }
+}
+
+// Cuts a segment into runs of one receptor of one of this partition's parts: take_run(part, first slot, begin, end).
+template <typename TakeRun>
+void BlockPartition::search_row(std::uint32_t index, TakeRun take_run) const noexcept {
+  const std::uint32_t* const all = network_.image.targets.data();
+  const std::uint32_t* const end = all + network_.image.segments[index + 1].target_begin;
+  for (const std::uint32_t* at = all + network_.image.segments[index].target_begin; at != end;) {
     const SlotRange& range = network_.ranges.of(*at);
     const std::uint32_t* const after = end[-1] < range.end ? end : std::lower_bound(at, end, range.end);
     const std::uint32_t p = part_of_[range.group];
@@ -102,25 +120,64 @@ void BlockPartition::split_row(std::uint32_t index, TakeRun take_run) noexcept {
       const std::uint32_t* const last =
           range.begin + part.end >= range.end ? after : std::lower_bound(first, after, range.begin + part.end);
       if (first != last) {
-        event_count_ += static_cast<std::uint64_t>(last - first);
-        take_run(parts_[p], range.begin,
-                 SynapseRun{first, last, has_one_weight ? weights : weights + (first - begin), has_one_weight});
+        take_run(p, range.begin, static_cast<std::uint32_t>(first - all), static_cast<std::uint32_t>(last - all));
       }
     }
     at = after;
   }
 }
 
+void BlockPartition::list_own_runs() {
+  const auto segments = static_cast<std::uint32_t>(network_.image.segments.size() - 1);
+  for (std::uint32_t index = 0; index < segments; ++index) {
+    own_run_begin_.push_back(static_cast<std::uint32_t>(own_runs_.size()));
+    search_row(index, [this](std::uint32_t part, std::uint32_t first_slot, std::uint32_t begin, std::uint32_t end) {
+      own_runs_.push_back({begin, end, part, first_slot});
+    });
+  }
+  own_run_begin_.push_back(static_cast<std::uint32_t>(own_runs_.size()));
+  own_runs_.shrink_to_fit();
+}
+
+SynapseRun BlockPartition::run_of(const SegmentRecord& segment, std::uint32_t begin, std::uint32_t end) const noexcept {
+  const std::uint32_t* const targets = network_.image.targets.data();
+  const std::int32_t* const weights = network_.image.weights.data() + segment.weight_begin;
+  const bool has_one_weight = (segment.flags & kSegmentOneWeight) != 0;
+  return {targets + begin, targets + end, has_one_weight ? weights : weights + (begin - segment.target_begin),
+          has_one_weight};
+}
+
+// take_run(part, first slot, run) for each run of a segment onto this partition.
+template <typename TakeRun>
+void BlockPartition::split_row(std::uint32_t index, TakeRun take_run) noexcept {
+  const SegmentRecord& segment = network_.image.segments[index];
+  const auto take = [&](std::uint32_t part, std::uint32_t first_slot, std::uint32_t begin, std::uint32_t end) {
+    event_count_ += end - begin;
+    take_run(parts_[part], first_slot, run_of(segment, begin, end));
+  };
+  if (own_run_begin_.empty()) {
+    search_row(index, take);
+    return;
+  }
+  for (std::uint32_t r = own_run_begin_[index]; r < own_run_begin_[index + 1]; ++r) {
+    take(own_runs_[r].part, own_runs_[r].first_slot, own_runs_[r].begin, own_runs_[r].end);
+  }
+}
+
 // What is due at a tick. A row that has another delay waits on for it.
 template <typename TakeRun>
 void BlockPartition::take_due_rows(std::uint64_t tick, TakeRun take_run) noexcept {
-  constexpr std::uint32_t kAhead = 3;
+  constexpr std::uint32_t kRowsAhead = 3;
+  constexpr std::uint32_t kPlacesAhead = 8;
   std::uint32_t index = wheel_.take(tick);
   while (index != EventWheel::kNone) {
     const EventWheel::Chunk& chunk = wheel_.chunk(index);
     for (std::uint32_t r = 0; r < chunk.count; ++r) {
-      if (r + kAhead < chunk.count) {
-        prefetch(chunk.rows[r + kAhead].segment);
+      if (r + kPlacesAhead < chunk.count) {
+        prefetch_place(chunk.rows[r + kPlacesAhead].segment);
+      }
+      if (r + kRowsAhead < chunk.count) {
+        prefetch(chunk.rows[r + kRowsAhead].segment);
       }
       const DueRow row = chunk.rows[r];
       split_row(row.segment, take_run);

@@ -36,7 +36,9 @@ struct SliceOfTicks {
 
 class BlockPartition {
  public:
-  BlockPartition(const BlockNetwork& network, std::vector<GroupPart> parts);
+  /// `is_one_of_several`: where each row's synapses onto these neurons begin and end is found once and kept, 16 bytes a
+  /// row and receptor, instead of being searched for whenever the row is due.
+  BlockPartition(const BlockNetwork& network, std::vector<GroupPart> parts, bool is_one_of_several);
 
   void reset() noexcept;
   /// Carries out the slice and keeps its spikes. Writes nothing that another partition reads or writes.
@@ -73,6 +75,19 @@ class BlockPartition {
     std::uint32_t next;        // of the same part and tick
   };
 
+  // Synapses [begin, end) of the image, onto one receptor of a part.
+  struct OwnRun {
+    std::uint32_t begin;
+    std::uint32_t end;
+    std::uint32_t part;
+    std::uint32_t first_slot;
+  };
+
+  void list_own_runs();
+  [[nodiscard]] SynapseRun run_of(const SegmentRecord& segment, std::uint32_t begin, std::uint32_t end) const noexcept;
+  void prefetch(const SegmentRecord& segment, std::uint32_t begin, std::uint32_t end) const noexcept;
+  template <typename TakeRun>
+  void search_row(std::uint32_t segment, TakeRun take_run) const noexcept;
   [[nodiscard]] std::uint32_t collect(std::uint64_t tick, std::uint32_t first, std::uint32_t count) noexcept;
   template <typename TakeRun>
   void take_due_rows(std::uint64_t tick, TakeRun take_run) noexcept;
@@ -82,13 +97,16 @@ class BlockPartition {
   void deliver_block(const Part& part, std::uint32_t k, std::uint32_t block_end) noexcept;
   void run_part(Part& part, const SliceOfTicks& slice, std::uint32_t first, std::uint32_t end) noexcept;
   void advance(Part& part, const SliceOfTicks& slice, std::uint32_t k, std::uint32_t begin, std::uint32_t end) noexcept;
+  void prefetch_place(std::uint32_t segment) const noexcept;
   void prefetch(std::uint32_t segment) const noexcept;
 
   BlockNetwork network_;
   EventWheel wheel_;
-  std::vector<Part> parts_;             // in update order
-  std::vector<std::uint32_t> part_of_;  // [group] index or kNone
-  std::size_t receptor_count_ = 0;      // of all parts
+  std::vector<Part> parts_;                   // in update order
+  std::vector<std::uint32_t> part_of_;        // [group] index or kNone
+  std::vector<std::uint32_t> own_run_begin_;  // [segment + 1], empty for a partition that has all neurons
+  std::vector<OwnRun> own_runs_;
+  std::size_t receptor_count_ = 0;  // of all parts
   std::size_t neuron_count_ = 0;
   std::vector<std::uint64_t> marks_;
   std::unique_ptr<std::uint32_t[]> lists_;

@@ -44,7 +44,7 @@ BlockRunner::BlockRunner(const SpikeImage& image, const UpdateGroups& groups, un
       spikes_(std::make_unique_for_overwrite<NeuronId[]>(std::size_t{image.header.neuron_count} * slice_)) {
   const BlockNetwork network{image, groups, ranges_, inputs_.data()};
   for (std::vector<GroupPart>& parts : share_out(image, groups, threads)) {
-    partitions_.push_back(std::make_unique<BlockPartition>(network, std::move(parts)));
+    partitions_.push_back(std::make_unique<BlockPartition>(network, std::move(parts), threads > 1));
   }
   if (threads > 1) {
     team_ = std::make_unique<ThreadTeam>(threads);

@@ -25,7 +25,7 @@ std::vector<std::uint64_t> ticks_of(const Raster& raster, std::uint32_t neuron) 
 using Ticks = std::vector<std::uint64_t>;
 
 TEST_CASE("a spike of tick s arrives in tick s + delay, for every delay") {
-  for (const std::uint32_t delay : {0U, 1U, 2U, 7U, 63U, 64U, 65U, 1000U, 4096U}) {
+  for (const std::uint32_t delay : {0U, 1U, 2U, 7U, 63U, 64U, 65U, 1000U, 4096U, kMaxDelayTicks}) {
     CAPTURE(delay);
     TestNetwork network;
     network.add_spikes("source", {{0, 3, 10}});

@@ -25,7 +25,9 @@ double angle_deg(const std::array<double, 2>& a, const std::array<double, 2>& b,
 
 }  // namespace
 
-const char* scenario_name(ScenarioKind kind) { return kScenarioNames[static_cast<std::size_t>(kind)]; }
+const char* scenario_name(ScenarioKind kind) {
+  return kind == ScenarioKind::Path ? "path" : kScenarioNames[static_cast<std::size_t>(kind)];
+}
 
 std::optional<ScenarioKind> scenario_from_name(std::string_view name) {
   for (std::size_t i = 0; i < kScenarioNames.size(); ++i) {
@@ -60,8 +62,25 @@ std::array<double, 2> Scenario::target_m(TimeNs time_ns) {
       return chirp_m(time_s);
     case ScenarioKind::Random:
       return random_place(static_cast<std::size_t>(time_s / params_.random_hold_s));
+    case ScenarioKind::Path:
+      return on_path(time_s);
   }
   return {};
+}
+
+std::array<double, 2> Scenario::on_path(double time_s) const {
+  const auto after = std::upper_bound(params_.path.begin(), params_.path.end(), time_s,
+                                      [](double t, const PathPoint& point) { return t < point.time_s; });
+  if (params_.path.empty() || after == params_.path.begin()) {
+    return params_.path.empty() ? std::array<double, 2>{} : after->at_m;
+  }
+  const PathPoint& from = *std::prev(after);
+  if (after == params_.path.end()) {
+    return from.at_m;
+  }
+  const double share = (time_s - from.time_s) / (after->time_s - from.time_s);
+  return {from.at_m[0] + share * (after->at_m[0] - from.at_m[0]),
+          from.at_m[1] + share * (after->at_m[1] - from.at_m[1])};
 }
 
 std::array<double, 2> Scenario::on_circle(double turn) const {

@@ -25,9 +25,17 @@ enum class ScenarioKind {
   /// A new place every random_hold_s, uniform on the wall within the range of the 2020 head's laser, no farther than
   /// random_jump_deg from the last, so that the dot stays in view. Starts straight ahead.
   Random,
+  /// Straight lines between the points of `path`, each reached at its time; two points at one time are a jump. The dot
+  /// rests at the first before and at the last after. For programs: no name on a command line stands for it.
+  Path,
 };
 
 inline constexpr std::array<const char*, 5> kScenarioNames = {"hold", "step", "circle", "chirp", "random"};
+
+struct PathPoint {
+  double time_s = 0;
+  std::array<double, 2> at_m{};
+};
 
 /// Lengths on the wall in metres, right and up of the point straight ahead.
 struct ScenarioParams {
@@ -50,6 +58,8 @@ struct ScenarioParams {
   double random_pan_deg = 25;   // to either side, seen from the head (servo calibration of the 2020 laser)
   double random_tilt_deg = 15;  // up and down
   double random_jump_deg = 15;  // 180 = no limit
+
+  std::vector<PathPoint> path;  // times ascend
 };
 
 [[nodiscard]] const char* scenario_name(ScenarioKind kind);
@@ -65,6 +75,7 @@ class Scenario {
   [[nodiscard]] std::array<double, 2> on_circle(double turn) const;
   [[nodiscard]] std::array<double, 2> chirp_m(double time_s) const;
   [[nodiscard]] std::array<double, 2> random_place(std::size_t index);
+  [[nodiscard]] std::array<double, 2> on_path(double time_s) const;
 
   ScenarioParams params_;
   double chirp_cycle_s_ = 0;

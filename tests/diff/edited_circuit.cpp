@@ -4,11 +4,18 @@
 
 namespace tectum {
 
-std::string oculomotor_text() {
-  ReadSource source = read_source(TECTUM_SOURCE_DIR "/circuits/oculomotor.json");
+namespace {
+
+std::string text_of(const std::string& path) {
+  ReadSource source = read_source(path);
   REQUIRE_MESSAGE(source.ok, source.error);
   return source.file.bytes;
 }
+
+}  // namespace
+
+std::string oculomotor_text() { return text_of(TECTUM_SOURCE_DIR "/circuits/oculomotor.json"); }
+std::string small_eye_text() { return text_of(TECTUM_SOURCE_DIR "/tests/diff/small_eye.json"); }
 
 std::string edited(std::string text, const std::string& what, const std::string& with) {
   const std::size_t at = text.find(what);

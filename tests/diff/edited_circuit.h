@@ -10,6 +10,8 @@ namespace tectum {
 
 /// circuits/oculomotor.json.
 [[nodiscard]] std::string oculomotor_text();
+/// tests/diff/small_eye.json.
+[[nodiscard]] std::string small_eye_text();
 
 /// `text` with its only `what` replaced; fails the test when there is none or more than one.
 [[nodiscard]] std::string edited(std::string text, const std::string& what, const std::string& with);

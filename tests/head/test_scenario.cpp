@@ -110,3 +110,18 @@ TEST_CASE("random depends on its seed and on nothing else, not even on the order
   params.seed = 2;
   CHECK(Scenario(params).target_m(50 * kSecond) != late);
 }
+
+TEST_CASE("a path is followed in straight lines, rests at its ends, and jumps between two points of one time") {
+  ScenarioParams params = of_kind(ScenarioKind::Path);
+  params.path = {{1, {0.1, 0}}, {1, {0.2, 0.1}}, {3, {0.4, -0.1}}};
+  Scenario scenario(params);
+  CHECK(scenario.target_m(0) == std::array{0.1, 0.0});
+  CHECK(scenario.target_m(kSecond - 1) == std::array{0.1, 0.0});
+  CHECK(scenario.target_m(kSecond) == std::array{0.2, 0.1});
+  const auto half_way = scenario.target_m(2 * kSecond);
+  CHECK(half_way[0] == doctest::Approx(0.3));
+  CHECK(half_way[1] == doctest::Approx(0.0));
+  CHECK(scenario.target_m(3 * kSecond) == std::array{0.4, -0.1});
+  CHECK(scenario.target_m(9 * kSecond) == std::array{0.4, -0.1});
+  CHECK(Scenario(of_kind(ScenarioKind::Path)).target_m(kSecond) == std::array{0.0, 0.0});
+}

@@ -8,6 +8,8 @@
 #include <set>
 #include <tuple>
 
+#include "tools/diff/ports_diff.h"
+
 namespace tectum {
 namespace {
 
@@ -96,9 +98,8 @@ class StructureDiffer {
     parameters();
     populations();
     pathways();
-    retinas();
-    outputs();
-    joints();
+    std::vector<Change> ports = diff_ports(a_, b_, diff_.match);
+    diff_.changes.insert(diff_.changes.end(), ports.begin(), ports.end());
     attribute_to_parameters();
     return std::move(diff_);
   }
@@ -373,92 +374,6 @@ class StructureDiffer {
       note("synapses", std::to_string(a.synapses.size()), std::to_string(b.synapses.size()), gone + come, {});
     }
     return weights + delays + gone + come > 0;
-  }
-
-  static std::string retina_text(const RetinaRecord& retina) {
-    return fmt::format("{} fields in {} x {} px over {:.6g} deg, lit when {} above {} over {:.6g}", retina.field_count,
-                       retina.frame_width, retina.frame_height, retina.field_of_view_deg,
-                       static_cast<int>(retina.lit_channel), retina.lit_above, retina.lit_share);
-  }
-  void retinas() {
-    std::map<std::string, std::pair<const RetinaRecord*, const RetinaRecord*>> both;
-    for (const RetinaRecord& retina : a_.image.retinas) {
-      both[std::string(a_.image.name(retina.name))].first = &retina;
-    }
-    for (const RetinaRecord& retina : b_.image.retinas) {
-      both[std::string(b_.image.name(retina.name))].second = &retina;
-    }
-    for (const auto& [name, pair] : both) {
-      if (pair.first == nullptr || pair.second == nullptr) {
-        came_or_went(pair.first == nullptr ? ChangeKind::Added : ChangeKind::Removed, Element::Retina, name, "");
-        continue;
-      }
-      const std::string before = retina_text(*pair.first), after = retina_text(*pair.second);
-      changed(Element::Retina, name, "sheet", before, after);
-      if (before == after && !same_fields(*pair.first, *pair.second)) {
-        changed(Element::Retina, name, "fields", "some places", "other places");
-      }
-    }
-  }
-  bool same_fields(const RetinaRecord& a, const RetinaRecord& b) const {
-    const auto left = a_.image.fields.subspan(a.first_field, a.field_count);
-    const auto right = b_.image.fields.subspan(b.first_field, b.field_count);
-    return std::equal(left.begin(), left.end(), right.begin(), right.end(),
-                      [](const FieldRecord& x, const FieldRecord& y) {
-                        return std::tie(x.x0, x.y0, x.x1, x.y1) == std::tie(y.x0, y.y0, y.x1, y.y1);
-                      });
-  }
-
-  void outputs() {
-    std::map<std::string, std::pair<const OutputView*, const OutputView*>> both;
-    for (const OutputView& output : a_.outputs) {
-      both[output.name].first = &output;
-    }
-    for (const OutputView& output : b_.outputs) {
-      both[output.name].second = &output;
-    }
-    for (const auto& [name, pair] : both) {
-      if (pair.first == nullptr || pair.second == nullptr) {
-        came_or_went(pair.first == nullptr ? ChangeKind::Added : ChangeKind::Removed, Element::Output, name, "");
-        continue;
-      }
-      const OutputView &x = *pair.first, &y = *pair.second;
-      changed(Element::Output, name, "window", quantity_text(x.window_ms, "ms"), quantity_text(y.window_ms, "ms"));
-      changed(Element::Output, name, "offset", quantity_text(x.offset_deg, "deg"), quantity_text(y.offset_deg, "deg"));
-      changed(Element::Output, name, "joints", std::to_string(x.joint_mask), std::to_string(y.joint_mask));
-      terms(name, x, y);
-    }
-  }
-  void terms(const std::string& name, const OutputView& x, const OutputView& y) {
-    std::map<std::uint32_t, std::pair<double, double>> gains;  // by b's population
-    for (const OutputView::Term& term : x.terms) {
-      gains[diff_.match.population_of_a[term.population]].first += term.gain;
-    }
-    for (const OutputView::Term& term : y.terms) {
-      gains[term.population].second += term.gain;
-    }
-    const char* unit = y.kind == OutputKind::Position ? "deg/Hz" : "deg/s/Hz";
-    for (const auto& [population, gain] : gains) {
-      const std::string of = population == kNoMatch ? "" : " of " + b_.populations[population].name;
-      changed(Element::Output, name, "gain" + of, quantity_text(gain.first, unit), quantity_text(gain.second, unit));
-    }
-  }
-
-  void joints() {
-    std::map<int, std::pair<std::string, std::string>> both;
-    const auto text = [](const JointRecord& joint) {
-      return fmt::format("{:.6g} to {:.6g} deg{}", joint.min_deg, joint.max_deg,
-                         joint.max_speed_deg_s > 0 ? fmt::format(", {:.6g} deg/s", joint.max_speed_deg_s) : "");
-    };
-    for (const JointRecord& joint : a_.image.joints) {
-      both[static_cast<int>(joint.joint)].first = text(joint);
-    }
-    for (const JointRecord& joint : b_.image.joints) {
-      both[static_cast<int>(joint.joint)].second = text(joint);
-    }
-    for (const auto& [joint, pair] : both) {
-      changed(Element::Joint, kJointNames[static_cast<std::size_t>(joint)], "limits", pair.first, pair.second);
-    }
   }
 
   /// Parameters whose text changed, or that use one that did, and that `text` names.

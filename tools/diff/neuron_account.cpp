@@ -221,4 +221,26 @@ NeuronAccount account_of(const NeuronSetup& setup, std::uint32_t tick) {
   return account;
 }
 
+double mean_input(const NeuronSetup& setup, const PathwayInput& input, std::uint32_t from, std::uint32_t to) {
+  const ReceptorView& receptor = setup.receptors[input.receptor];
+  const bool is_exponential = receptor.kind == ReceptorKind::Exponential;
+  const double decay = is_exponential ? std::exp(-setup.tick_ms / receptor.tau_ms) : 0;
+  const std::uint32_t lasts = receptor.kind == ReceptorKind::Boxcar ? receptor.window_ticks : 1;
+  double sum = 0;
+  for (const Arrival& arrival : input.arrivals) {
+    if (arrival.tick >= to) {
+      continue;
+    }
+    const std::uint32_t begin = std::max(arrival.tick, from);
+    if (is_exponential) {
+      sum +=
+          arrival.weight * (std::pow(decay, begin - arrival.tick) - std::pow(decay, to - arrival.tick)) / (1 - decay);
+    } else {
+      const std::uint32_t end = std::min(arrival.tick + lasts, to);
+      sum += end > begin ? arrival.weight * (end - begin) : 0;
+    }
+  }
+  return sum / (to - from);
+}
+
 }  // namespace tectum

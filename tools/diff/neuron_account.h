@@ -69,4 +69,8 @@ struct NeuronAccount {
 /// At `tick`, with the resets of own_spikes before it.
 [[nodiscard]] NeuronAccount account_of(const NeuronSetup& setup, std::uint32_t tick);
 
+/// Mean over ticks [from, to) of what one pathway brings, in the unit of the weights. Needs: from < to.
+[[nodiscard]] double mean_input(const NeuronSetup& setup, const PathwayInput& input, std::uint32_t from,
+                                std::uint32_t to);
+
 }  // namespace tectum

@@ -4,6 +4,7 @@
 
 #include "tools/tectum/command.h"
 #include "tools/tectum/command_diff.h"
+#include "tools/tectum/command_why.h"
 #include "tools/tectum/usage_error.h"
 
 namespace tectum {
@@ -29,6 +30,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_run_command(app, context);
   add_eval_command(app, context);
   add_replay_command(app, context);
+  add_why_command(app, context);
   add_record_command(app, context);
   add_calibrate_command(app, context);
   add_servo_command(app, context);

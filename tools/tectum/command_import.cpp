@@ -1,0 +1,15 @@
+// tectum import: wiring that others measured or built, as a circuit file.
+#include "tools/tectum/command_import.h"
+
+namespace tectum {
+
+void add_import_command(CLI::App& app, CommandContext& context) {
+  CLI::App* import = app.add_subcommand("import", "make a circuit file from wiring in another format");
+  import->require_subcommand(1);
+  static_cast<void>(context);
+  if (import->get_subcommands({}).empty()) {
+    app.remove_subcommand(import);
+  }
+}
+
+}  // namespace tectum

@@ -1,0 +1,10 @@
+// `tectum import`: one file a source of wiring, each with a subcommand of its own.
+#pragma once
+
+#include "tools/tectum/command.h"
+
+namespace tectum {
+
+void add_import_command(CLI::App& app, CommandContext& context);
+
+}  // namespace tectum

@@ -2,32 +2,16 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
-#include <system_error>
+#include "drivers/camera/side_library.h"
 
 namespace tectum {
 namespace {
 
 constexpr const char* kLibraryName = "libtectum_video.so";
 
-/// Beside the binary, else one folder up (where a build leaves it for its tests), else where the system looks. The
-/// sanitizers wrap dlopen, and then the binary's own search path counts for nothing.
-void* open_library() {
-  std::error_code failed;
-  const std::filesystem::path binary = std::filesystem::read_symlink("/proc/self/exe", failed);
-  if (!failed) {
-    for (const std::filesystem::path& folder : {binary.parent_path(), binary.parent_path().parent_path()}) {
-      if (std::filesystem::exists(folder / kLibraryName, failed)) {
-        return dlopen((folder / kLibraryName).c_str(), RTLD_NOW | RTLD_LOCAL);
-      }
-    }
-  }
-  return dlopen(kLibraryName, RTLD_NOW | RTLD_LOCAL);
-}
-
 /// Never closed: frames and writers live in it.
 void* video_library(std::string& error) {
-  static void* const library = open_library();
+  static void* const library = open_side_library(kLibraryName);
   if (library == nullptr) {
     const char* why = dlerror();
     error = std::string("libtectum_video.so, which reads and writes video, cannot be loaded") +

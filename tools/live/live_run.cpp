@@ -70,6 +70,9 @@ class LiveLoop {
 
   std::mutex glimpse_mutex_;
   LiveGlimpse glimpse_;
+  // The loop's thread keeps these for glimpses: it takes no lock.
+  std::atomic<std::uint32_t> lost_mask_ = 0;
+  std::atomic<std::uint64_t> turns_ = 0, late_turns_ = 0, skipped_periods_ = 0;
 };
 
 std::string LiveLoop::start_recorder() {
@@ -129,6 +132,10 @@ void LiveLoop::note_turn() {
   figures.lateness.add(frame.late_ns);
   figures.exposure_to_turn.add(frame.time_ns - std::max(frame.captured_ns[0], frame.captured_ns[1]));
   figures.eye_skew.add(std::abs(frame.captured_ns[0] - frame.captured_ns[1]));
+  lost_mask_ = loop_.guard().lost_mask();
+  turns_ = loop_.counters().turns;
+  late_turns_ = loop_.counters().late_turns;
+  skipped_periods_ = loop_.counters().skipped_periods;
   recorder_.frame(frame);
 }
 
@@ -173,7 +180,11 @@ void LiveLoop::glimpse(const RecordedFrame& frame, const std::vector<RecordedSpi
   glimpse_.time_s = static_cast<double>(frame.time_ns - start_ns_) * 1e-9;
   glimpse_.state = static_cast<GuardState>(frame.guard_state);
   glimpse_.frame = frame;
-  glimpse_.spikes_of_population.assign(population_begin_.size(), 0);
+  glimpse_.lost_mask = lost_mask_;
+  glimpse_.counters.turns = turns_;
+  glimpse_.counters.late_turns = late_turns_;
+  glimpse_.counters.skipped_periods = skipped_periods_;
+  glimpse_.spikes_of_population.resize(population_begin_.size());
   for (const RecordedSpike& spike : spikes) {
     for (std::size_t p = 0; p < population_begin_.size(); ++p) {
       if (spike.neuron - population_begin_[p] < image_.populations[p].size) {
@@ -217,6 +228,7 @@ LiveRun LiveLoop::run(const std::function<void(const LiveGlimpse&)>& watch,
     {
       const std::lock_guard lock(glimpse_mutex_);
       seen = glimpse_;
+      std::fill(glimpse_.spikes_of_population.begin(), glimpse_.spikes_of_population.end(), 0U);
     }
     tell(head_.take_events(), on_event);
     if (seen.state != state && seen.frame.time_ns != 0) {

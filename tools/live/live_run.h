@@ -41,8 +41,8 @@ struct LiveGlimpse {
   GuardState state = GuardState::Waiting;
   std::uint32_t lost_mask = 0;
   RecordedFrame frame;
-  std::vector<std::uint32_t> spikes_of_population;  // in the last turn
-  LoopCounters counters;
+  std::vector<std::uint32_t> spikes_of_population;  // since the glimpse before
+  LoopCounters counters;                            // turns, late turns and skipped periods; the others are 0
 };
 
 struct LiveFigures {

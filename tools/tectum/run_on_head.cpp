@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/analysis/run_summary.h"
-#include "tools/live/dashboard.h"
 #include "tools/live/live_run.h"
 #include "tools/tectum/keyboard.h"
+#include "tools/tectum/live_view.h"
 #include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
 
@@ -56,24 +56,22 @@ class SignalsTo {
   std::array<void (*)(int), 3> before_{};
 };
 
-void obey_keys(Keyboard& keyboard, LiveControls& controls) {
-  for (char key = keyboard.next(); key != 0; key = keyboard.next()) {
-    switch (key) {
-      case ' ':
-        controls.request = GuardRequest::Stop;
-        break;
-      case 'p':
-        controls.request = GuardRequest::Park;
-        break;
-      case 'r':
-        controls.request = GuardRequest::Release;
-        break;
-      case 'q':
-        controls.ends = true;
-        break;
-      default:
-        break;
-    }
+void obey_key(char key, LiveControls& controls) {
+  switch (key) {
+    case ' ':
+      controls.request = GuardRequest::Stop;
+      break;
+    case 'p':
+      controls.request = GuardRequest::Park;
+      break;
+    case 'r':
+      controls.request = GuardRequest::Release;
+      break;
+    case 'q':
+      controls.ends = true;
+      break;
+    default:
+      break;
   }
 }
 
@@ -129,7 +127,11 @@ void add_head_arguments(CLI::App& command, HeadArguments& arguments) {
   command.add_option("--core", arguments.core, "with --head: keep the loop on this processor core")
       ->check(CLI::Range(0, 1023))
       ->type_name("N");
-  command.add_flag("--view", arguments.has_view, "with --head: show eyes, spikes, joints and timing in the terminal");
+  command
+      .add_flag("--view{auto}", arguments.view,
+                "with --head: show eyes, spikes, joints and timing in a window, or in the terminal where there is no "
+                "display; --view=text, --view=window, or --view=FILE.png to keep the newest view in a picture")
+      ->type_name("");
 }
 
 std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunRequest& request, CommandContext& context,
@@ -139,6 +141,12 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
     return std::nullopt;
   }
   std::string error;
+  const std::unique_ptr<LiveView> view = LiveView::make(request.head.view, image, context.err, error);
+  if (view == nullptr) {
+    context.err << fmt::format("tectum run: {}\n", error);
+    context.exit_status = kExitTrouble;
+    return std::nullopt;
+  }
   SimHeadParams simulation = request.simulation.head;
   simulation.geometry = file->geometry;
   const std::unique_ptr<LiveHead> head =
@@ -168,20 +176,20 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
            "once\n";
   }
   Progress progress(context.err, fmt::format("{} on {}", image.name(image.header.circuit_name), file->name));
-  Dashboard dashboard(image);
   LiveRun run = run_live(
       image, *head, options, controls,
       [&](const LiveGlimpse& glimpse) {
-        obey_keys(keyboard, controls);
-        if (request.head.has_view) {
-          context.err << dashboard.draw(glimpse) << std::flush;
-        } else if (request.duration_s > 0) {
+        for (char key = keyboard.next(); key != 0; key = keyboard.next()) {
+          obey_key(key, controls);
+        }
+        obey_key(view->show(glimpse), controls);
+        if (!view->owns_terminal() && request.duration_s > 0) {
           progress.update(std::min(1.0, glimpse.time_s / request.duration_s));
         }
       },
       [&](const LiveEvent& event) {
-        dashboard.add_line(event.text);
-        if (!request.head.has_view) {
+        view->add_line(event.text);
+        if (!view->owns_terminal()) {
           context.err << fmt::format("\r{}\n", event.text);
         }
       });

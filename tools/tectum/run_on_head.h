@@ -15,7 +15,7 @@ struct HeadArguments {
   std::string path;  // of the head file; empty: no head
   bool is_real_time = false;
   int core = -1;
-  bool has_view = false;
+  std::string view;  // auto, text, window or a picture file; empty for none
 };
 
 /// Adds --head, --realtime, --core and --view.

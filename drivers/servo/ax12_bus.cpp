@@ -17,6 +17,7 @@ constexpr TimeNs kArbotixNs = 10'000'000;
 // which one damaged byte among FFs would make. And hardly a register takes FE, should a packet happen to end in them
 // unharmed.
 constexpr std::uint8_t kPaddingByte = 0xFE;
+constexpr TimeNs kPatientMarginNs = 20'000'000;
 constexpr std::size_t kPadding = 255;
 constexpr std::size_t kArbotixMaxRead = 26;  // its buffer of 32 bytes, without the frame
 
@@ -297,19 +298,46 @@ BusAnswer Ax12Bus::sync_read(std::uint8_t address, std::uint8_t size_each, std::
 std::vector<std::uint8_t> Ax12Bus::scan(std::uint8_t first, std::uint8_t last,
                                         const std::function<void(std::uint8_t)>& progress) {
   std::vector<std::uint8_t> found;
-  for (int id = first; id <= std::min(last, kHighestId); ++id) {
+  bool is_slow = false;  // some answers came so late that others may have come too late
+  const auto look_for = [&](int id) {
     const auto asked = static_cast<std::uint8_t>(id);
     if (progress) {
       progress(asked);
     }
-    // Two colliding servos of one ID answer too, if not whole.
-    const BusStatus status = ping(asked).status;
+    const TimeNs before_ns = link_.now_ns();
+    const std::uint64_t retries = statistics_.retries;
+    BusStatus status = ping(asked).status;
+    if (status == BusStatus::Damaged) {
+      // Two colliding servos of one ID, or what a servo asked before says late: that passes.
+      link_.sleep_until(link_.now_ns() + kPatientMarginNs);
+      status = ping(asked).status;
+      is_slow = true;
+    }
     if (status == BusStatus::Ok || status == BusStatus::Damaged || status == BusStatus::Refused) {
       found.push_back(asked);
+      is_slow = is_slow || statistics_.retries > retries ||
+                link_.now_ns() - before_ns > wire_ns(2 * kPacketOverhead) + options_.answer_margin_ns / 2;
     }
-    if (status == BusStatus::LinkGone) {
-      break;
+    return status != BusStatus::LinkGone;
+  };
+  const int end = std::min(last, kHighestId) + 1;
+  for (int id = first; id < end; ++id) {
+    if (!look_for(id)) {
+      return found;
     }
+  }
+  if (is_slow || found.empty()) {
+    const BusOptions usual = options_;
+    options_.answer_margin_ns = kPatientMarginNs;
+    options_.attempts = 1;
+    const std::vector<std::uint8_t> quick = found;
+    for (int id = first; id < end; ++id) {
+      if (!std::binary_search(quick.begin(), quick.end(), id) && !look_for(id)) {
+        break;
+      }
+    }
+    options_ = usual;
+    std::sort(found.begin(), found.end());
   }
   return found;
 }

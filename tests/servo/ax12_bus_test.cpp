@@ -47,6 +47,28 @@ TEST_CASE("servos are pinged, read, written and found") {
   CHECK(bench.bus.scan(0, 20, {}) == Bytes{1, 2, 3});
 }
 
+TEST_CASE("a scan on a host that hands answers over late finds every servo all the same") {
+  for (const double share : {1.0, 0.7}) {
+    CAPTURE(share);
+    Bench bench({1, 2, 3, 9, 14});
+    bench.emulator.noise.faults.late_answers = share;
+    bench.emulator.noise.faults.lateness_ns = 9 * kMs;
+    CHECK(bench.bus.scan(0, 20, {}) == Bytes{1, 2, 3, 9, 14});
+    CHECK(bench.bus.options().answer_margin_ns == BusOptions{}.answer_margin_ns);
+  }
+}
+
+TEST_CASE("a scan asks silent IDs a second time only where the host is slow or nobody answers") {
+  const auto asked = [](const Bytes& ids) {
+    Bench bench(ids);
+    int count = 0;
+    static_cast<void>(bench.bus.scan(0, 20, [&](std::uint8_t) { ++count; }));
+    return count;
+  };
+  CHECK(asked({1, 2, 3}) == 21);
+  CHECK(asked({30}) == 42);
+}
+
 TEST_CASE("a sync write moves several, a registered write waits for its action") {
   Bench bench;
   CHECK(bench.bus.sync_write(30, 2, Bytes{1, 3}, Bytes{0x00, 0x01, 0x00, 0x02}).is_ok());

@@ -89,9 +89,9 @@ class Ax12Bus {
   [[nodiscard]] BusAnswer sync_read(std::uint8_t address, std::uint8_t size_each, std::span<const std::uint8_t> ids,
                                     std::span<std::uint8_t> out) noexcept;
 
-  /// The IDs in [first, last] that answer. `progress` is called with each ID before it is asked; may be empty. When nobody
-  /// answers, or somebody so late that others may have been too late, the silent IDs are asked once more and waited for
-  /// 20 ms each: a busy host may take that long to hand an answer over.
+  /// The IDs in [first, last] that answer. `progress` is called with each ID before it is asked; may be empty. When
+  /// nobody answers, or somebody so late that others may have been too late, the silent IDs are asked once more and
+  /// waited for 20 ms each: a busy host may take that long to hand an answer over.
   [[nodiscard]] std::vector<std::uint8_t> scan(std::uint8_t first, std::uint8_t last,
                                                const std::function<void(std::uint8_t)>& progress);
 

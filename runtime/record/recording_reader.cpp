@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "runtime/record/blocks.h"
@@ -101,7 +103,13 @@ bool take_block(const Block& block, ReadRecording& read, bool& has_run, bool& ha
 }  // namespace
 
 ReadRecording read_recording(const std::string& path) {
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    ReadRecording read;
+    read.error = "`" + path + "`: " + (errno != 0 ? std::strerror(errno) : "cannot be opened");
+    return read;
+  }
   return read_recording(file, path);
 }
 

@@ -127,7 +127,7 @@ TEST_CASE("a fit turns the servo's units into the angles that were measured") {
 TEST_CASE("too few places, and places that contradict each other, are told") {
   std::string error;
   (void)fit_calibration({"neck_pan", {{400, 1}, {500, 2}, {600, 3}}}, {}, error);
-  CHECK(error == "neck_pan: 3 places are too few to fit");
+  CHECK(error == "neck_pan: measured at 3 places, too few to fit a line");
   error.clear();
   (void)fit_calibration({"neck_pan", {{400, 0}, {450, 9}, {500, 12}, {550, 9}, {600, 0}, {620, -5}}}, of_degree(2),
                         error);

@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <sstream>
 
+#include "compiler/source/source_file.h"
 #include "tools/report/chart.h"
 
 namespace tectum {
@@ -127,12 +128,14 @@ double CalibrationFit::at(double units) const {
 
 ReadCalibration read_calibration(const std::string& path, const CalibrationOptions& options) {
   ReadCalibration read;
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) {
-    read.error = fmt::format("{}: cannot be read, or is empty", path);
+  const ReadSource source = read_source(path);
+  if (!source.ok) {
+    read.error = source.error;
     return read;
   }
+  std::istringstream file(source.file.bytes);
+  std::string line;
+  std::getline(file, line);
   const Columns columns(split(line));
   if (columns.joint == Columns::kNone || columns.position == Columns::kNone ||
       (columns.angle == Columns::kNone && columns.wall == Columns::kNone)) {
@@ -173,7 +176,9 @@ CalibrationFit fit_calibration(const CalibrationData& data, const CalibrationOpt
   // With a point left out there must be one place more than coefficients.
   const int most = std::min(kHighestDegree, static_cast<int>(places.size()) - 3);
   if (most < 1 || options.degree > static_cast<int>(places.size()) - 1) {
-    error = fmt::format("{}: {} places are too few to fit", data.joint, places.size());
+    error = fmt::format("{}: measured at {} place{}, too few to fit {}", data.joint, places.size(),
+                        places.size() == 1 ? "" : "s",
+                        options.degree > 0 ? fmt::format("a polynomial of degree {}", options.degree) : "a line");
     return fit;
   }
   const auto [low, high] = measured_range(data);

@@ -2,12 +2,14 @@
 #include "tools/tectum/command_servo.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "compiler/expression/expression.h"
 #include "drivers/servo/servo_driver.h"
 #include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
@@ -52,8 +54,8 @@ struct CenterArguments {
 };
 
 void fail(CommandContext& context, const std::string& line) {
-  context.err << line << '\n';
-  context.exit_status = kExitFailed;
+  context.err << "tectum: " << line << '\n';
+  context.exit_status = kExitTrouble;
 }
 
 // What went wrong with one servo, in one line.
@@ -67,11 +69,14 @@ std::string failure_of(int id, const BusAnswer& answer) {
 const ax12::Register* find_or_explain(const std::string& name, CommandContext& context) {
   const ax12::Register* row = ax12::find_register(name);
   if (row == nullptr) {
-    std::string known;
+    std::vector<std::string> known;
     for (const ax12::Register& each : ax12::kRegisters) {
-      known += fmt::format("{}{}", known.empty() ? "" : ", ", each.name);
+      known.emplace_back(each.name);
     }
-    fail(context, fmt::format("unknown register `{}`; an AX-12A has {}", name, known));
+    fail(context, fmt::format("an AX-12A has no register `{}`", name));
+    const auto nearest = nearest_name(name, known);
+    context.err << (nearest ? fmt::format("    = help: did you mean `{}`?\n", *nearest)
+                            : fmt::format("    = help: it has {}\n", fmt::join(known, ", ")));
   }
   return row;
 }

@@ -166,8 +166,8 @@ void Emulation::do_event(const Event& event) {
     pty_->unplug();
   } else if (event.action == "plug") {
     if (!pty_->plug_in(error)) {
-      context_.err << error << '\n';
-      context_.exit_status = kExitFailed;
+      context_.err << "tectum: " << error << '\n';
+      context_.exit_status = kExitTrouble;
     }
   } else {
     pty_->with_device([&](TimeNs now_ns) { change_bus(event, now_ns); });
@@ -179,7 +179,7 @@ void Emulation::run() {
   for (const std::string& text : arguments_.events) {
     const auto event = parse_event(text);
     if (!event) {
-      context_.err << fmt::format("`--at {}` is not understood; say for example --at '5 drop 3'\n", text);
+      context_.err << fmt::format("tectum: `--at {}` is not understood; say for example --at '5 drop 3'\n", text);
       context_.exit_status = kExitUsage;
       return;
     }
@@ -190,8 +190,8 @@ void Emulation::run() {
   std::string error;
   pty_ = PtyDevice::open(device(), {.link_path = arguments_.link_path, .has_timing = !arguments_.is_instant}, error);
   if (pty_ == nullptr) {
-    context_.err << error << '\n';
-    context_.exit_status = kExitFailed;
+    context_.err << "tectum: " << error << '\n';
+    context_.exit_status = kExitTrouble;
     return;
   }
   context_.out << fmt::format("{}\n", pty_->path()) << std::flush;

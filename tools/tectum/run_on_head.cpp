@@ -110,7 +110,7 @@ std::optional<HeadFile> read_head(const std::string& path, CommandContext& conte
   }
   context.err << read.problems;
   if (!read.head) {
-    context.exit_status = kExitFailed;
+    context.exit_status = read.error.empty() ? kExitFailed : kExitTrouble;
   }
   return std::move(read.head);
 }
@@ -118,20 +118,25 @@ std::optional<HeadFile> read_head(const std::string& path, CommandContext& conte
 }  // namespace
 
 void add_head_arguments(CLI::App& command, HeadArguments& arguments) {
+  CLI::Option* const head = command
+                                .add_option("--head", arguments.path,
+                                            "run in real time on the head that this file describes: a real one, or "
+                                            "circuits/heads/emulated.json")
+                                ->type_name("FILE");
   command
-      .add_option("--head", arguments.path,
-                  "run in real time on the head that this file describes: a real one, or circuits/heads/emulated.json")
-      ->type_name("FILE");
-  command.add_flag("--realtime", arguments.is_real_time,
-                   "with --head: real-time priority and locked memory, where the system permits them");
+      .add_flag("--realtime", arguments.is_real_time,
+                "with --head: real-time priority and locked memory, where the system permits them")
+      ->needs(head);
   command.add_option("--core", arguments.core, "with --head: keep the loop on this processor core")
       ->check(CLI::Range(0, 1023))
-      ->type_name("N");
+      ->type_name("N")
+      ->needs(head);
   command
       .add_flag("--view{auto}", arguments.view,
                 "with --head: show eyes, spikes, joints and timing in a window, or in the terminal where there is no "
                 "display; --view=text, --view=window, or --view=FILE.png to keep the newest view in a picture")
-      ->type_name("");
+      ->type_name("")
+      ->needs(head);
 }
 
 std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunRequest& request, CommandContext& context,

@@ -113,12 +113,17 @@ BusAnswer Ax12Bus::ask(const Question& question, int attempts, std::span<std::ui
   BusAnswer result;
   bool was_silent = false;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    statistics_.retries += attempt > 0 ? 1 : 0;
     // On a slow line that takes longer than a time-out, and is kept for the last attempt.
     const bool is_worth_it = attempt == attempts - 1 || wire_ns(kPadding) <= options_.answer_margin_ns;
     if (was_silent && is_worth_it && has_answered_[question.id]) {
       wake_servos(question.id);
     }
+    // Only now: a servo that still waits for bytes would swallow what is sent next.
+    if (attempt > 0 && options_.gives_way && options_.gives_way()) {
+      ++statistics_.given_way;
+      return result;
+    }
+    statistics_.retries += attempt > 0 ? 1 : 0;
     link_.discard_input();
     parser_.clear();
     parser_.expect(question.id, question.answer_count);

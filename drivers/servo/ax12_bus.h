@@ -32,6 +32,8 @@ struct BusOptions {
   int attempts = 3;
   TimeNs answer_margin_ns = 3'000'000;  // USB frames of 1 ms, and the kernel
   TimeNs gap_ns = 2'000'000;
+  /// Asked before another attempt: true gives the question up, because something more urgent waits. May be empty.
+  std::function<bool()> gives_way = {};
 };
 
 enum class BusStatus : std::uint8_t {
@@ -53,7 +55,8 @@ struct BusAnswer {
 struct BusStatistics {
   std::uint64_t requests = 0;  // with an answer to come, retries not counted
   std::uint64_t retries = 0;
-  std::uint64_t failures = 0;  // requests that used up their attempts
+  std::uint64_t failures = 0;   // requests that used up their attempts
+  std::uint64_t given_way = 0;  // requests given up after a bad attempt for something more urgent
   std::uint64_t time_outs = 0;
   std::uint64_t broken_off = 0;  // answers that began and did not end
   std::uint64_t bad_checksums = 0;

@@ -19,9 +19,11 @@ class LatestValue {
     slots_[writing_] = value;
     writing_ = middle_.exchange(writing_ | kIsNew, std::memory_order_acq_rel) & kSlot;
   }
+  /// Reader's thread: whether take() would give something.
+  [[nodiscard]] bool has_new() const noexcept { return (middle_.load(std::memory_order_relaxed) & kIsNew) != 0; }
   /// Reader's thread. False, and `out` untouched, when nothing was put since the last take.
   [[nodiscard]] bool take(T& out) noexcept {
-    if ((middle_.load(std::memory_order_relaxed) & kIsNew) == 0) {
+    if (!has_new()) {
       return false;
     }
     reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kSlot;

@@ -55,6 +55,8 @@ struct ServoDriver::Impl {
     options.packets.bus.baud = options.baud != 0 ? options.baud : usual_baud(options.kind);
     options.packets.bus.adapter =
         options.kind == ServoLinkKind::ArbotixRos ? BusAdapter::ArbotixRos : BusAdapter::Transparent;
+    // Not while a command itself is under way: its questions switch torque on and off.
+    options.packets.bus.gives_way = [this] { return is_asking && command_box.has_new(); };
   }
   ~Impl() { sem_destroy(&wake); }
 
@@ -73,6 +75,7 @@ struct ServoDriver::Impl {
   std::unique_ptr<ByteLink> link;
   std::unique_ptr<ServoExchange> exchange;
   bool was_connected = false;
+  bool is_asking = false;
   std::string last_error;
 
   // Between the loop and the thread.
@@ -80,6 +83,7 @@ struct ServoDriver::Impl {
   LatestValue<HeadReport> report_box;
   std::atomic<bool> is_connected = false;
   std::atomic<bool> is_stopping = false;
+  std::atomic<TimeNs> hush_until_ns = 0;
   sem_t wake;
 
   // The loop's own.
@@ -151,11 +155,14 @@ void ServoDriver::Impl::converse() {
     if (send_newest() == ExchangeStatus::LinkGone) {
       return;
     }
-    if (monotonic_ns() < next_round_ns) {
-      wait_until(next_round_ns);
+    const TimeNs quiet_until_ns = std::max(next_round_ns, hush_until_ns.load(std::memory_order_relaxed));
+    if (monotonic_ns() < quiet_until_ns) {
+      wait_until(quiet_until_ns);
       continue;
     }
+    is_asking = true;
     const ExchangeStatus status = exchange->poll();
+    is_asking = false;
     publish(status != ExchangeStatus::Busy);
     if (status == ExchangeStatus::LinkGone) {
       return;
@@ -235,6 +242,7 @@ bool ServoDriver::write(const ServoCommand& command) noexcept {
   // anew.
   merged.joint_mask = (merged.joint_mask | command.joint_mask) & impl.trusted_mask;
   impl.command_box.put({merged, monotonic_ns()});
+  impl.hush_until_ns.store(0, std::memory_order_relaxed);
   int waiting = 0;
   if (sem_getvalue(&impl.wake, &waiting) == 0 && waiting == 0) {
     sem_post(&impl.wake);
@@ -244,6 +252,7 @@ bool ServoDriver::write(const ServoCommand& command) noexcept {
 
 void ServoDriver::read(TimeNs /*now_ns*/, ServoFeedback& out) noexcept {
   Impl& impl = *impl_;
+  impl.hush_until_ns.store(monotonic_ns() + impl.options.hush_ns, std::memory_order_relaxed);
   (void)impl.report_box.take(impl.newest_report);
   out.fresh_mask = 0;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {

@@ -1,7 +1,9 @@
 // The head's servos as a ServoBus: a thread of its own talks to them, the loop hands over and takes the newest values.
 //
-// The thread sends a new command as soon as the question it is asking is answered, which at 1 Mbps takes about a third
-// of a millisecond; in between it asks the servos, one round every round_ns. When the port vanishes it opens it again,
+// The thread sends a new command as soon as the question under way is answered, which at 1 Mbps takes about a third of
+// a millisecond; in between it asks the servos, one round every round_ns. A turn of the loop begins with read() and
+// ends with write(), so that after a read() no question is begun until the command is there, or hush_ns are over; and a
+// question that went wrong is not repeated while a command waits. When the port vanishes it opens it again,
 // twice a second, finds the servos anew and goes on. A joint that is lost, or limp after an alarm, is not fresh in the
 // feedback, so that the guard holds it; goals go to it again once the loop has seen it fresh.
 #pragma once
@@ -34,6 +36,7 @@ struct ServoDriverOptions {
   SketchExchangeOptions sketch;
   std::uint32_t baud = 0;  // 0 = usual_baud(kind)
   TimeNs round_ns = 10'000'000;
+  TimeNs hush_ns = 3'000'000;
   TimeNs reopen_every_ns = 500'000'000;
   bool releases_at_end = true;           // torque off in stop()
   std::function<void()> in_thread = {};  // called first in the driver's thread: its priority; may be empty

@@ -158,6 +158,26 @@ TEST_CASE("lost bytes cost at most the budget") {
   CHECK(bench.bus.statistics().failures == 1);
 }
 
+TEST_CASE("a question that went wrong gives way to something more urgent, and one that goes well does not") {
+  TimeNs taken_ns[2] = {};
+  for (const bool is_urgent : {false, true}) {
+    CAPTURE(is_urgent);
+    BusOptions options;
+    options.gives_way = [=] { return is_urgent; };
+    Bench bench({1, 2, 3}, options);
+    std::uint16_t position = 0;
+    CHECK(bench.bus.read(1, ax12::kPresentPosition, position).is_ok());
+    CHECK(bench.bus.statistics().given_way == 0);
+    bench.emulator.noise.faults.lost = 1;
+    const TimeNs start_ns = bench.link.now_ns();
+    CHECK(bench.bus.read(1, ax12::kPresentPosition, position).status == BusStatus::NoAnswer);
+    taken_ns[is_urgent ? 1 : 0] = bench.link.now_ns() - start_ns;
+    CHECK(bench.bus.statistics().given_way == (is_urgent ? 1 : 0));
+    CHECK(bench.bus.statistics().retries == (is_urgent ? 0 : 2));
+  }
+  CHECK(2 * taken_ns[1] <= taken_ns[0]);
+}
+
 TEST_CASE("the servo reports a packet that reached it damaged, and it is sent again") {
   Bench bench;
   bench.emulator.noise.faults.flipped = 0.02;

@@ -36,7 +36,7 @@ bool becomes(const std::function<bool()>& condition, TimeNs within_ns = 5 * kSec
 }
 
 struct Bench {
-  Bench() {
+  explicit Bench(TimeNs hush_ns = ServoDriverOptions{}.hush_ns) {
     for (std::uint8_t id = 1; id <= 6; ++id) {
       emulator.add_servo(id).set(ax12::kReturnDelayTime, 0, 0);
     }
@@ -45,6 +45,7 @@ struct Bench {
     REQUIRE_MESSAGE(pty != nullptr, error);
     ServoDriverOptions options;
     options.reopen_every_ns = 50 * kMs;
+    options.hush_ns = hush_ns;
     options.packets.bus.answer_margin_ns = 50 * kMs;
     options.packets.bus.gap_ns = 50 * kMs;
     driver = std::make_unique<ServoDriver>(options, serial_link(pty->path(), 1'000'000));
@@ -135,6 +136,23 @@ TEST_CASE("the loop's goals reach the servos, and their angles the loop") {
   CHECK(bench.peek(3, ax12::kTorqueEnable) == 1);
   CHECK(bench.driver->command_latency().count() > 0);
   CHECK(bench.driver->report().wire.troubles() == 0);
+}
+
+TEST_CASE("between the loop's reading and its command no question is begun") {
+  constexpr TimeNs kForever = 3600 * kSecond;
+  Bench bench(kForever);
+  REQUIRE(bench.driver->wait_until_ready(5 * kSecond));
+  ServoFeedback feedback;
+  const auto requests = [&] { return bench.driver->report().wire.requests; };
+  const std::uint64_t before = requests();
+  CHECK(becomes([&] { return requests() > before + 20; }));
+  bench.driver->read(0, feedback);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the question under way
+  const std::uint64_t hushed = requests();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(requests() <= hushed + 1);
+  CHECK(bench.driver->write(ServoCommand{}));
+  CHECK(becomes([&] { return requests() > hushed + 20; }));
 }
 
 TEST_CASE("torque goes off on request and at the end") {

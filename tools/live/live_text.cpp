@@ -47,9 +47,11 @@ std::string live_figures_text(const LiveRun& run) {
   text += fmt::format("guard: {} limited, {} slewed, {} not finite, {} clock jumps, {} holds, {} servos lost\n",
                       f.guard.limited, f.guard.slewed, f.guard.not_finite, f.guard.clock_jumps, f.guard.holds,
                       f.guard.losses);
-  text += fmt::format("bus: {} questions, {} retries, {} failures, {} positions, {} not confirmed, {} reconnections\n",
-                      f.head.wire.requests, f.head.wire.retries, f.head.wire.failures, f.head.positions,
-                      f.head.unconfirmed, f.head.reconnections);
+  text += fmt::format(
+      "bus: {} questions, {} retries, {} given up for a command, {} failures, {} positions, {} not confirmed, {} "
+      "reconnections\n",
+      f.head.wire.requests, f.head.wire.retries, f.head.wire.given_way, f.head.wire.failures, f.head.positions,
+      f.head.unconfirmed, f.head.reconnections);
   if (f.lost_frames > 0 || f.lost_spikes > 0) {
     text += fmt::format("recorder: {} turns and {} spikes lost; the recording cannot be replayed\n", f.lost_frames,
                         f.lost_spikes);
@@ -74,11 +76,17 @@ std::string live_figures_json(const LiveRun& run) {
                        {"missed", f.missed_deadlines},
                        {"late_commands", f.missed_deadlines - f.loop.skipped_periods},
                        {"skipped_periods", f.loop.skipped_periods}};
-  json["bus"] = {{"commands", f.head.commands},          {"commands_not_taken", f.loop.failed_writes},
-                 {"questions", f.head.wire.requests},    {"retries", f.head.wire.retries},
-                 {"failures", f.head.wire.failures},     {"time_outs", f.head.wire.time_outs},
-                 {"broken_off", f.head.wire.broken_off}, {"bad_checksums", f.head.wire.bad_checksums},
-                 {"positions", f.head.positions},        {"not_confirmed", f.head.unconfirmed},
+  json["bus"] = {{"commands", f.head.commands},
+                 {"commands_not_taken", f.loop.failed_writes},
+                 {"questions", f.head.wire.requests},
+                 {"retries", f.head.wire.retries},
+                 {"given_way", f.head.wire.given_way},
+                 {"failures", f.head.wire.failures},
+                 {"time_outs", f.head.wire.time_outs},
+                 {"broken_off", f.head.wire.broken_off},
+                 {"bad_checksums", f.head.wire.bad_checksums},
+                 {"positions", f.head.positions},
+                 {"not_confirmed", f.head.unconfirmed},
                  {"reconnections", f.head.reconnections}};
   json["recorder"] = {{"lost_turns", f.lost_frames}, {"lost_spikes", f.lost_spikes}};
   return json.dump();

@@ -5,6 +5,7 @@
 
 #include "runtime/act/decoder.h"
 #include "runtime/act/servo_guard.h"
+#include "runtime/record/recording_file.h"
 
 namespace tectum {
 namespace {
@@ -28,8 +29,12 @@ bool same_bits(const std::array<double, kJointCount>& a, const std::array<double
 
 class Replay {
  public:
-  Replay(const SpikeImage& image, const Recording& recording, const EngineOptions& options)
-      : recording_(recording), engine_(image, options), decoder_(image), guard_(image, guard_options(recording.guard)) {
+  Replay(const SpikeImage& image, const Recording& recording, const ReplayOptions& options)
+      : recording_(recording),
+        options_(options),
+        engine_(image, options.engine),
+        decoder_(image),
+        guard_(image, guard_options(recording.guard)) {
     for (std::size_t e = 0; e < kEyeCount; ++e) {
       for (const RetinaRecord& retina : image.retinas) {
         for (std::uint32_t field = 0; field < retina.field_count && static_cast<std::size_t>(retina.eye) == e;
@@ -45,6 +50,9 @@ class Replay {
     for (std::size_t k = 0; k < recording_.frames.size() && result_.is_same; ++k) {
       if (!turn(k)) {
         return result_;
+      }
+      if (options_.progress && k % 16 == 0) {
+        options_.progress(static_cast<double>(k) / static_cast<double>(recording_.frames.size()));
       }
     }
     return result_;
@@ -108,21 +116,30 @@ class Replay {
     return true;
   }
 
+  [[nodiscard]] std::string neuron_name(std::uint32_t neuron) const {
+    for (const RecordedPopulation& population : recording_.populations) {
+      if (neuron - population.first_neuron < population.size) {
+        return population.name + "[" + std::to_string(neuron - population.first_neuron) + "]";
+      }
+    }
+    return "neuron " + std::to_string(neuron);
+  }
+
   void compare_spikes(std::size_t k, std::uint64_t tick) {
     const std::vector<RecordedSpike>& recorded = recording_.spikes;
     for (const NeuronId neuron : engine_.spikes()) {
       const RecordedSpike fired{tick, static_cast<std::uint32_t>(neuron)};
       ++result_.spikes;
       if (next_spike_ >= recorded.size() || recorded[next_spike_] != fired) {
-        differ(k, "neuron " + std::to_string(fired.neuron) + " fires at tick " + std::to_string(tick) +
+        differ(k, neuron_name(fired.neuron) + " fires at tick " + std::to_string(tick) +
                       ", which the recording does not say");
         return;
       }
       ++next_spike_;
     }
     if (next_spike_ < recorded.size() && recorded[next_spike_].tick <= tick) {
-      differ(k, "neuron " + std::to_string(recorded[next_spike_].neuron) + " does not fire at tick " +
-                    std::to_string(recorded[next_spike_].tick));
+      differ(k, neuron_name(recorded[next_spike_].neuron) + " does not fire at tick " +
+                    std::to_string(recorded[next_spike_].tick) + ", as it did in the recording");
     }
   }
 
@@ -151,6 +168,7 @@ class Replay {
   }
 
   const Recording& recording_;
+  const ReplayOptions& options_;
   SpikeEngine engine_;
   Decoder decoder_;
   ServoGuard guard_;
@@ -161,16 +179,30 @@ class Replay {
   ReplayResult result_;
 };
 
+bool has_same_populations(const SpikeImage& image, const Recording& recording) {
+  const std::vector<RecordedPopulation> now = describe_run(image).populations;
+  return std::equal(now.begin(), now.end(), recording.populations.begin(), recording.populations.end(),
+                    [](const RecordedPopulation& a, const RecordedPopulation& b) {
+                      return a.name == b.name && a.first_neuron == b.first_neuron && a.size == b.size;
+                    });
+}
+
 }  // namespace
 
-ReplayResult replay(const SpikeImage& image, const Recording& recording, const EngineOptions& options) {
+ReplayResult replay(const SpikeImage& image, const Recording& recording, const ReplayOptions& options) {
   ReplayResult refused;
-  if (recording.image_checksum != image.header.checksum) {
+  const bool is_other = recording.image_checksum != image.header.checksum;
+  refused.is_other_circuit = is_other;
+  if (is_other && !options.takes_other_circuit) {
     refused.error = "it was made with another circuit, another seed or another compiler";
+  } else if (is_other && !has_same_populations(image, recording)) {
+    refused.error = "its populations are not the circuit's: their spikes cannot be compared one by one";
   } else if (recording.tick_ns != image.header.tick_ns || recording.tick_ns == 0 || recording.frame_period_ns <= 0) {
     refused.error = "its ticks are not the circuit's";
   } else {
-    return Replay(image, recording, options).run();
+    ReplayResult result = Replay(image, recording, options).run();
+    result.is_other_circuit = is_other;
+    return result;
   }
   return refused;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "runtime/engine/spike_engine.h"
@@ -13,8 +14,17 @@
 
 namespace tectum {
 
+struct ReplayOptions {
+  EngineOptions engine;
+  /// Runs the input through a circuit that is not the recorded one, as far as its populations are the same by name and
+  /// size: the answer is then where it first does something else.
+  bool takes_other_circuit = false;
+  std::function<void(double)> progress = {};  // called with 0..1 now and then; may be empty
+};
+
 struct ReplayResult {
   std::string error;  // one line when the recording cannot have come from the image; else empty
+  bool is_other_circuit = false;
   std::uint64_t frames = 0;
   std::uint64_t spikes = 0;    // of the replay
   std::uint64_t commands = 0;  // frames that sent one
@@ -24,6 +34,6 @@ struct ReplayResult {
 
 /// Not real-time safe.
 [[nodiscard]] ReplayResult replay(const SpikeImage& image, const Recording& recording,
-                                  const EngineOptions& options = {});
+                                  const ReplayOptions& options = {});
 
 }  // namespace tectum

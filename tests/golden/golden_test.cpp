@@ -2,6 +2,7 @@
 //
 //   # why the case exists
 //   run: tectum check circuit.json        (several lines run one after the other)
+//   setup: tectum run circuit.json        what a case starts from; what it prints is not kept
 //   exit: 1                               (of the last)
 //   --- circuit.json                      an input file, written to a fresh directory
 //   --- stdout                            expected, absent when empty
@@ -32,7 +33,8 @@ namespace fs = std::filesystem;
 const fs::path kGoldenDir = fs::path(TECTUM_SOURCE_DIR) / "tests" / "golden";
 
 struct GoldenCase {
-  std::string head;  // comment and run lines
+  std::string head;  // comment, setup and run lines
+  std::vector<std::string> setups;
   std::vector<std::string> runs;
   int exit_status = 0;
   std::vector<std::pair<std::string, std::string>> inputs;
@@ -66,6 +68,8 @@ GoldenCase parse_case(const std::string& text) {
       parsed.head += line + "\n";
       if (line.rfind("run: tectum ", 0) == 0) {
         parsed.runs.push_back(line.substr(12));
+      } else if (line.rfind("setup: tectum ", 0) == 0) {
+        parsed.setups.push_back(line.substr(14));
       }
     }
   }
@@ -119,6 +123,10 @@ GoldenCase run_case(GoldenCase golden) {
   fs::current_path(dir);
   std::ostringstream out;
   std::ostringstream err;
+  for (const std::string& setup : golden.setups) {
+    std::ostringstream unkept;
+    REQUIRE_MESSAGE(tectum_main(split_words(setup), unkept, unkept) == 0, setup, ": ", unkept.str());
+  }
   for (const std::string& run : golden.runs) {
     golden.exit_status = tectum_main(split_words(run), out, err);
   }

@@ -102,6 +102,9 @@ TEST_CASE("a recording of another circuit, and one that makes no sense, are refu
   const SpikeImage image = two_eyed_image(0.1);
   const Recording run = lively_run(image, 10);
   CHECK(replay(two_eyed_image(1.0), run).error.find("another circuit") != std::string::npos);
+  const ReplayResult other = replay(two_eyed_image(1.0), run, {.engine = {}, .takes_other_circuit = true});
+  CHECK(other.is_other_circuit);
+  CHECK(other.error == "its ticks are not the circuit's");
   Recording one = run;
   one.frames.erase(one.frames.begin() + 4);
   CHECK(replay(image, one).error == "frame 4 starts at tick 1111, not 888");

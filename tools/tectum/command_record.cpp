@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "runtime/record/recording_file.h"
 #include "tools/analysis/npz.h"
@@ -29,12 +30,42 @@ std::optional<Recording> read(const std::string& path, CommandContext& context) 
   return std::move(read.recording);
 }
 
-void show(const std::string& path, CommandContext& context) {
+std::string count(std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+void show_json(const Recording& recording, CommandContext& context) {
+  nlohmann::ordered_json json = {{"circuit", recording.circuit_name},
+                                 {"scenario", recording.scenario},
+                                 {"seed", recording.seed},
+                                 {"duration_s", recording.duration_s},
+                                 {"turns", recording.frames.size()},
+                                 {"frame_period_ns", recording.frame_period_ns},
+                                 {"spikes", recording.spikes.size()},
+                                 {"tick_ns", recording.tick_ns},
+                                 {"positions", recording.positions.size()},
+                                 {"image_checksum", fmt::format("{:016x}", recording.image_checksum)},
+                                 {"image_bytes", recording.image.size()}};
+  for (const RecordedPopulation& population : recording.populations) {
+    json["populations"].push_back({{"name", population.name},
+                                   {"nucleus", population.nucleus},
+                                   {"first_neuron", population.first_neuron},
+                                   {"size", population.size}});
+  }
+  for (const RecordedRetina& retina : recording.retinas) {
+    json["retinas"].push_back({{"name", retina.name}, {"field_of_view_deg", retina.field_of_view_deg}});
+  }
+  context.out << json.dump(2) << '\n';
+}
+
+void show(const std::string& path, const std::string& format, CommandContext& context) {
   const std::optional<Recording> recording = read(path, context);
   if (!recording) {
     return;
   }
-  const auto ms = [](std::uint64_t time_ns) { return static_cast<double>(time_ns) * 1e-6; };
+  if (format == "json") {
+    show_json(*recording, context);
+    return;
+  }
+  const auto ms = [](std::uint64_t time_ns) { return static_cast<double>(time_ns) / 1e6; };
   context.out << fmt::format("{}: {} ({}), seed {}\n", path, recording->circuit_name, recording->scenario,
                              recording->seed);
   context.out << fmt::format(
@@ -42,8 +73,8 @@ void show(const std::string& path, CommandContext& context) {
       recording->duration_s, recording->frames.size(), ms(static_cast<std::uint64_t>(recording->frame_period_ns)),
       recording->spikes.size(), ms(recording->tick_ns), recording->positions.size());
   context.out << fmt::format(
-      "circuit: {} populations, {} retinas, image {:016x}{}\n", recording->populations.size(),
-      recording->retinas.size(), recording->image_checksum,
+      "circuit: {}, {}, image {:016x}{}\n", count(recording->populations.size(), "population"),
+      count(recording->retinas.size(), "retina"), recording->image_checksum,
       recording->image.empty() ? "" : fmt::format(" of {} bytes inside", recording->image.size()));
 }
 
@@ -79,7 +110,11 @@ void add_record_command(CLI::App& app, CommandContext& context) {
     auto path = std::make_shared<std::string>();
     command->add_option("recording", *path, "run.trec of `tectum run --record`")->required()->type_name("REC");
     command->footer("Example:\n  tectum record show out/live/run.trec\n");
-    command->callback([path, &context] { show(*path, context); });
+    auto format = std::make_shared<std::string>("text");
+    command->add_option("--format", *format, "text or json")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->capture_default_str();
+    command->callback([path, format, &context] { show(*path, *format, context); });
   }
   CLI::App* command = record->add_subcommand("export", "as CSV files, or as NumPy arrays");
   auto arguments = std::make_shared<ExportArguments>();

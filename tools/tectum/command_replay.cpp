@@ -1,9 +1,12 @@
 // tectum replay: a recording's input through its circuit once more.
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "runtime/loop/replay.h"
 #include "runtime/record/recording_file.h"
 #include "tools/tectum/load_circuit.h"
+#include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
 
 namespace tectum {
@@ -11,6 +14,7 @@ namespace {
 
 struct ReplayArguments {
   std::string path;
+  std::string format = "text";
   CircuitArguments circuit;  // path empty: the image in the recording
 };
 
@@ -46,17 +50,39 @@ void replay_file(const ReplayArguments& arguments, CommandContext& context) {
   if (!image) {
     return;
   }
-  const ReplayResult result = replay(*image, read.recording);
+  ReplayOptions options;
+  options.takes_other_circuit = !arguments.circuit.path.empty();
+  std::optional<Progress> progress(std::in_place, context.err, "replaying " + read.recording.circuit_name);
+  options.progress = [&](double done) { progress->update(done); };
+  const ReplayResult result = replay(*image, read.recording, options);
+  progress.reset();
   if (!result.error.empty()) {
     context.err << fmt::format("tectum: {}: {}\n", arguments.path, result.error);
+    if (result.is_other_circuit) {
+      context.err << "    = help: `tectum diff RECORDING CIRCUIT` compares circuits by name\n";
+    }
     context.exit_status = kExitTrouble;
-  } else if (!result.is_same) {
-    context.out << fmt::format("not the same from {}\n", result.difference);
-    context.exit_status = kExitFailed;
-  } else {
-    context.out << fmt::format("the same, bit for bit: {} turns, {} spikes, {} commands\n", result.frames,
-                               result.spikes, result.commands);
+    return;
   }
+  context.exit_status = result.is_same ? kExitOk : kExitFailed;
+  if (arguments.format == "json") {
+    nlohmann::ordered_json json = {{"same", result.is_same},
+                                   {"circuit_of_the_recording", !result.is_other_circuit},
+                                   {"turns", result.frames},
+                                   {"spikes", result.spikes},
+                                   {"commands", result.commands}};
+    if (!result.is_same) {
+      json["first_difference"] = result.difference;
+    }
+    context.out << json.dump(2) << '\n';
+    return;
+  }
+  if (result.is_other_circuit) {
+    context.out << "the circuit, its seed or the compiler is another than the recording's\n";
+  }
+  context.out << (result.is_same ? fmt::format("the same, bit for bit: {} turns, {} spikes, {} commands\n",
+                                               result.frames, result.spikes, result.commands)
+                                 : fmt::format("not the same from {}\n", result.difference));
 }
 
 }  // namespace
@@ -68,6 +94,9 @@ void add_replay_command(CLI::App& app, CommandContext& context) {
   command->add_option("recording", arguments->path, "run.trec of `tectum run --record`")->required()->type_name("REC");
   command->add_option("--circuit", arguments->circuit.path, "circuit file or image [the one in the recording]")
       ->type_name("CIRCUIT");
+  command->add_option("--format", arguments->format, "text or json")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   command->footer(
       "Exit status 0 when every spike, decoded angle and command is the same bit for bit, else 1 with the first that "
       "is\n"

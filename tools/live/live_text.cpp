@@ -10,7 +10,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json latency_json(const LatencyHistogram& histogram) {
-  const auto ms = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-6; };
+  const auto ms = [](TimeNs time_ns) { return static_cast<double>(time_ns) / 1e6; };
   return {{"median", ms(histogram.quantile_ns(0.5))},
           {"p99", ms(histogram.quantile_ns(0.99))},
           {"p99_9", ms(histogram.quantile_ns(0.999))},
@@ -88,6 +88,11 @@ std::string live_figures_json(const LiveRun& run) {
                  {"positions", f.head.positions},
                  {"not_confirmed", f.head.unconfirmed},
                  {"reconnections", f.head.reconnections}};
+  json["frames"] = {{"left", f.loop.frames[0]},
+                    {"right", f.loop.frames[1]},
+                    {"refused", f.loop.refused_frames[0] + f.loop.refused_frames[1]}};
+  json["guard"] = {{"limited", f.guard.limited},         {"slewed", f.guard.slewed}, {"not_finite", f.guard.not_finite},
+                   {"clock_jumps", f.guard.clock_jumps}, {"holds", f.guard.holds},   {"servos_lost", f.guard.losses}};
   json["recorder"] = {{"lost_turns", f.lost_frames}, {"lost_spikes", f.lost_spikes}};
   return json.dump();
 }

@@ -37,7 +37,7 @@ struct Places {
   Places(const MembraneArgs& a, std::int32_t* first_input) noexcept {
     const std::uint32_t count = kCurrents == kAnyCount || kCurrents == 0 ? kRoom : kCurrents;
     for (std::uint32_t c = 0; c < count; ++c) {
-      currents[c] = a.currents + c * a.stride;
+      currents[c] = a.currents != nullptr ? a.currents + c * a.stride : nullptr;  // lif_delta has none
       inputs[c] = first_input + c * a.input_stride;
     }
   }

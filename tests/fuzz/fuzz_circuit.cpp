@@ -14,12 +14,25 @@ namespace {
 // Small enough that a run of the fuzzer is about the reader and not about millions of synapses.
 constexpr std::uint64_t kMostNeurons = 300;
 
+// Included and extended files: "self" is the input again, anything else a small module; neither is read from disk.
+constexpr const char* kModule = R"({ "tectum": 1, "name": "module", "tick": "0.1 ms",
+  "neurons": { "cell": { "model": "lif_exp" } }, "populations": { "A": { "neuron": "cell", "size": 2 } } })";
+
+SourceReader reader_of(const std::string& input) {
+  return [&input](const std::string& path) {
+    const bool is_self = path.find("self") != std::string::npos;
+    return ReadSource{true, {path, is_self ? input : kModule}, {}};
+  };
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   CompileOptions options;
   options.last_stage = Stage::Validate;
-  const SourceFile file{"fuzz.json", std::string(reinterpret_cast<const char*>(data), size)};
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const SourceFile file{"fuzz.json", text};
+  options.read = reader_of(text);
   Diagnostics first;
   const CompileResult validated = compile_circuit(file, options, first);
   TECTUM_EXPECT(validated.circuit.has_value() == !first.has_errors());

@@ -14,4 +14,8 @@ namespace tectum {
 /// Compiles; a circuit with errors fails the test with its diagnostics.
 [[nodiscard]] SpikeImage compiled_circuit(const std::string& text, const std::vector<std::string>& lesions = {});
 
+/// The same of a file in circuits/, with parameters as on the command line.
+[[nodiscard]] SpikeImage shipped_circuit(const std::string& file, const std::vector<std::string>& parameters = {},
+                                         const std::vector<std::string>& lesions = {});
+
 }  // namespace tectum

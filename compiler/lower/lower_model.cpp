@@ -152,6 +152,12 @@ bool rests_below_threshold(const ModelPhysics& physics) {
   return true;
 }
 
+std::vector<double> parameter_values(const ModelPhysics& physics, std::string_view name) {
+  const ModelInfo* info = find_model(physics.model);
+  assert(info != nullptr);
+  return resolve(physics, *info, name);
+}
+
 void lower_model(const ModelPhysics& physics, double tick_ms, ImageContents& image, GroupRecord& group) {
   const ModelInfo* info = find_model(physics.model);
   assert(info != nullptr);

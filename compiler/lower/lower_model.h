@@ -37,6 +37,10 @@ struct ModelPhysics {
 /// False for models that never sleep.
 [[nodiscard]] bool rests_below_threshold(const ModelPhysics& model);
 
+/// Parameter `name` as given or by default: one value for all neurons, or one a neuron. Needs: a parameter of the
+/// model.
+[[nodiscard]] std::vector<double> parameter_values(const ModelPhysics& model, std::string_view name);
+
 /// Appends the group's parameters, columns and tables to `image` and fills the model part of
 /// `group` (model, flags and the parameter, column and table ranges).
 /// Leaves the neuron, slot, receptor and data ranges alone: the caller sets them. Parameters

@@ -4,6 +4,7 @@
 
 #include "tools/tectum/command.h"
 #include "tools/tectum/command_diff.h"
+#include "tools/tectum/command_export.h"
 #include "tools/tectum/command_import.h"
 #include "tools/tectum/command_why.h"
 #include "tools/tectum/usage_error.h"
@@ -27,6 +28,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_dump_command(app, context);
   add_explain_command(app, context);
   add_fmt_command(app, context);
+  add_export_command(app, context);
   add_import_command(app, context);
   add_bench_command(app, context);
   add_run_command(app, context);

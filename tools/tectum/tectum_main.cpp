@@ -4,6 +4,7 @@
 
 #include "tools/tectum/command.h"
 #include "tools/tectum/command_diff.h"
+#include "tools/tectum/command_draw.h"
 #include "tools/tectum/command_export.h"
 #include "tools/tectum/command_import.h"
 #include "tools/tectum/command_why.h"
@@ -25,6 +26,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_check_command(app, context);
   add_compile_command(app, context);
   add_diff_command(app, context);
+  add_draw_command(app, context);
   add_dump_command(app, context);
   add_explain_command(app, context);
   add_fmt_command(app, context);

@@ -1,8 +1,10 @@
 #include "compiler/elaborate/quantise.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "runtime/image/models.h"
 
@@ -14,11 +16,21 @@ constexpr std::int32_t kQuantumWithoutSynapses = -20;
 // The far tail of a kernel may vanish: errors are seen against at least this share of the strongest weight.
 constexpr double kNegligible = 1e-3;
 
-/// Sums of |weight| and the number of synapses for each (neuron, receptor).
+constexpr int kMantissaBits = 53;
+
+/// Exponent of the last bit that is set: every coarser power of two rounds the weight.
+int last_bit(double weight) {
+  int exponent = 0;
+  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(std::abs(std::frexp(weight, &exponent)), kMantissaBits));
+  return mantissa == 0 ? std::numeric_limits<int>::max() : exponent - kMantissaBits + std::countr_zero(mantissa);
+}
+
+/// What arrives at each (neuron, receptor).
 struct SlotSums {
   std::vector<std::size_t> first;  // of each population
-  std::vector<double> magnitude;
+  std::vector<double> magnitude;   // sum of |weight|
   std::vector<std::uint32_t> count;
+  std::vector<int> last_bit;  // of all weights
 };
 
 SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
@@ -30,6 +42,7 @@ SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
   }
   sums.magnitude.assign(total, 0);
   sums.count.assign(total, 0);
+  sums.last_bit.assign(total, std::numeric_limits<int>::max());
   const Synapses& synapses = network.synapses;
   for (std::size_t s = 0; s < synapses.size(); ++s) {
     const Pathway& pathway = network.pathways[synapses.pathway[s]];
@@ -38,16 +51,19 @@ SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
                              (synapses.post[s] - post.first_neuron);
     sums.magnitude[slot] += std::abs(weights[s]);
     ++sums.count[slot];
+    sums.last_bit[slot] = std::min(sums.last_bit[slot], last_bit(weights[s]));
   }
   return sums;
 }
 
-/// Smallest exponent q with sum / 2^q + count / 2 < 2^30: rounding adds at most half a quantum a synapse.
-std::int32_t quantum_for(double sum, std::uint32_t count) {
+/// Smallest exponent q with sum / 2^q + count / 2 < 2^30: rounding adds at most half a quantum a synapse, and nothing
+/// where all weights are whole quanta. Weights that were quanta before, of an exported circuit, thus stay what they
+/// are.
+std::int32_t quantum_for(double sum, std::uint32_t count, int lowest_bit) {
   int exponent = 0;
   std::frexp(sum, &exponent);
   std::int32_t q = exponent - kSumBits;
-  while (std::ldexp(sum, -q) + count / 2.0 >= std::ldexp(1.0, kSumBits)) {
+  while (std::ldexp(sum, -q) + (lowest_bit >= q ? 0.0 : count / 2.0) >= std::ldexp(1.0, kSumBits)) {
     ++q;
   }
   return std::clamp(q, kMinQuantumLog2, kMaxQuantumLog2);
@@ -67,8 +83,8 @@ RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weigh
         for (std::size_t n = 0; n < population.size; ++n) {
           const std::size_t slot = sums.first[i] + r * population.size + n;
           if (sums.magnitude[slot] > 0) {
-            q = std::max(
-                q, quantum_for(sums.magnitude[slot] * window, static_cast<std::uint32_t>(sums.count[slot] * window)));
+            q = std::max(q, quantum_for(sums.magnitude[slot] * window,
+                                        static_cast<std::uint32_t>(sums.count[slot] * window), sums.last_bit[slot]));
           }
         }
       }

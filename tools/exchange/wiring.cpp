@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -10,9 +11,6 @@
 #include "runtime/image/models.h"
 
 namespace tectum {
-namespace {
-
-/// The coherent unit of a dimension, as parse_unit() reads it.
 std::string coherent_unit(const Dimension& dimension) {
   constexpr std::array<const char*, kBaseDimensionCount> kNames = {"ms", "mV", "nA", "deg", "m", "px"};
   std::string above;
@@ -28,8 +26,6 @@ std::string coherent_unit(const Dimension& dimension) {
   }
   return above.empty() && !below.empty() ? "1" + below : above + below;
 }
-
-}  // namespace
 
 double weight_of(const Network& network, std::size_t synapse) {
   const Pathway& pathway = network.pathways[network.synapses.pathway[synapse]];
@@ -53,6 +49,20 @@ std::vector<double> parameter_of(const NetworkPopulation& population, std::strin
   return parameter_values(physics, name);
 }
 
+std::string parameter_unit(const NetworkPopulation& population, std::string_view name) {
+  if (population.user_model) {
+    return coherent_unit(population.user_model->equations.parameter_dimension(name).value_or(Dimension{}));
+  }
+  return built_in_parameter_unit(population.model, name);
+}
+
+std::string built_in_parameter_unit(ModelKind model, std::string_view name) {
+  const ModelInfo* info = find_model(model);
+  const auto parameter = find_parameter(*info, name);
+  const bool is_plain = model == ModelKind::Izhikevich || !parameter;
+  return is_plain ? "" : std::string(info->parameters[*parameter].unit);
+}
+
 std::string_view model_name(const NetworkPopulation& population) {
   return population.user_model ? std::string_view(population.user_model->name) : find_model(population.model)->name;
 }
@@ -61,8 +71,16 @@ std::string cell_name(const NetworkPopulation& population, std::uint32_t index) 
   return fmt::format("{}.{}", population.name, index);
 }
 
-std::string quantity_text(double value, std::string_view unit) {
-  return unit.empty() ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
+std::string quantity_text(double value, std::string_view unit) { return fmt::format("{}{}", value, unit_text(unit)); }
+
+std::string unit_text(std::string_view unit) {
+  if (unit.substr(0, 2) != "1/") {
+    return unit.empty() ? "" : " " + std::string(unit);
+  }
+  // "3 1/ms" is no quantity; "3 / 1 ms" is.
+  std::string below(unit.substr(2));
+  std::replace(below.begin(), below.end(), '/', '*');
+  return " / 1 " + below;
 }
 
 }  // namespace tectum

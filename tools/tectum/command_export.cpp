@@ -8,6 +8,7 @@
 
 #include "tools/exchange/export_edges.h"
 #include "tools/exchange/export_graph.h"
+#include "tools/exchange/export_sonata.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
@@ -22,7 +23,9 @@ struct ExportArguments {
   std::string grain;
 };
 
-ExportReport write_format(const ExportArguments& arguments, const Wiring& wiring, const ExchangeProgress& progress) {
+ExportReport write_format(const ExportArguments& arguments, const CompileResult& result,
+                          const ExchangeProgress& progress) {
+  const Wiring wiring{*result.circuit, *result.network};
   const bool is_coarse = arguments.grain.empty() ? arguments.to == "dot" : arguments.grain == "population";
   const GraphGrain grain = is_coarse ? GraphGrain::Population : GraphGrain::Cell;
   if (arguments.to == "edges") {
@@ -30,6 +33,9 @@ ExportReport write_format(const ExportArguments& arguments, const Wiring& wiring
   }
   if (arguments.to == "graphml") {
     return export_graphml(wiring, grain, arguments.output, progress);
+  }
+  if (arguments.to == "sonata") {
+    return export_sonata(result, arguments.output, progress);
   }
   return export_dot(wiring, grain, arguments.output, progress);
 }
@@ -68,18 +74,17 @@ void export_circuit(const ExportArguments& arguments, CommandContext& context) {
     print_diagnostics(*compilation, context);
     return;
   }
-  const Wiring wiring{*compilation->result.circuit, *compilation->result.network};
   ExportReport report;
   {
     Progress progress(context.err, "writing " + arguments.output);
-    report = write_format(arguments, wiring, [&](double done) { progress.update(done); });
+    report = write_format(arguments, compilation->result, [&](double done) { progress.update(done); });
   }
   if (!report.error.empty()) {
     context.err << fmt::format("tectum: {}\n", report.error);
     context.exit_status = report.is_refused ? kExitFailed : kExitTrouble;
     return;
   }
-  print(arguments, wiring.network, report, context);
+  print(arguments, *compilation->result.network, report, context);
 }
 
 }  // namespace
@@ -88,11 +93,13 @@ void add_export_command(CLI::App& app, CommandContext& context) {
   CLI::App* command = app.add_subcommand("export", "write a circuit in the format of another simulator or tool");
   auto arguments = std::make_shared<ExportArguments>();
   add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOnly);
-  command->add_option("--to", arguments->to, "edges (CSV), graphml, dot")
+  command->add_option("--to", arguments->to, "edges (CSV), graphml, dot, sonata")
       ->required()
-      ->check(CLI::IsMember({"edges", "graphml", "dot"}))
+      ->check(CLI::IsMember({"edges", "graphml", "dot", "sonata"}))
       ->type_name("FORMAT");
-  command->add_option("-o,--output", arguments->output, "file to write")->required()->type_name("PATH");
+  command->add_option("-o,--output", arguments->output, "file to write; for sonata a folder")
+      ->required()
+      ->type_name("PATH");
   command->add_option("--nodes", arguments->grain, "of a graph: cell [graphml], or population [dot]")
       ->check(CLI::IsMember({"cell", "population"}))
       ->type_name("GRAIN");
@@ -105,6 +112,9 @@ void add_export_command(CLI::App& app, CommandContext& context) {
       "  tectum export circuits/oculomotor.json --to graphml -o out/eye.graphml\n"
       "  python3 -c \"import networkx; print(networkx.read_graphml('out/eye.graphml'))\"\n"
       "  tectum export circuits/oculomotor.json --to dot -o out/eye.dot && dot -Tsvg out/eye.dot -o out/eye.svg\n"
+      "  tectum export circuits/oculomotor.json --to sonata -o out/eye_sonata\n"
+      "  python3 -c \"import nest; nest.SonataNetwork('out/eye_sonata/circuit_config.json',\n"
+      "             'out/eye_sonata/simulation_config.json').BuildNetwork()\"\n"
       "  tectum export circuits/oculomotor.json --lesion OPN --to dot -o out/no_opn.dot\n");
   command->callback([arguments, &context] { export_circuit(*arguments, context); });
 }

@@ -6,10 +6,11 @@ namespace tectum {
 void add_import_command(CLI::App& app, CommandContext& context) {
   CLI::App* import = app.add_subcommand("import", "make a circuit file from wiring in another format");
   import->require_subcommand(1);
-  static_cast<void>(context);
-  if (import->get_subcommands({}).empty()) {
-    app.remove_subcommand(import);
-  }
+  import->footer(
+      "Examples:\n"
+      "  tectum import sonata network/circuit_config.json -o mine.json\n"
+      "  tectum check mine.json\n");
+  add_import_sonata_command(*import, context);
 }
 
 }  // namespace tectum

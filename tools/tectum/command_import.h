@@ -5,6 +5,8 @@
 
 namespace tectum {
 
+void add_import_sonata_command(CLI::App& import, CommandContext& context);
+
 void add_import_command(CLI::App& app, CommandContext& context);
 
 }  // namespace tectum

@@ -152,4 +152,46 @@ void RatePlot::draw(SvgBody& svg, const Box& box) const {
 
 std::string RatePlot::responsive(const std::string& description) const { return responsive_plot(*this, description); }
 
+OverlayPlot::OverlayPlot(std::vector<OverlayRaster> rasters, const std::vector<PopulationSummary>& summaries,
+                         LanePlotOptions options)
+    : rasters_(std::move(rasters)), summaries_(summaries), options_(std::move(options)) {}
+
+double OverlayPlot::height_px() const {
+  return plot_height_px(lay_out_lanes(*rasters_.front().recording, summaries_, {options_.max_lane_px, 0}));
+}
+
+void OverlayPlot::draw(SvgBody& svg, const Box& box) const {
+  const Recording& recording = *rasters_.front().recording;
+  const LaneLayout layout = lay_out_lanes(recording, summaries_, {options_.max_lane_px, 0});
+  Box plot = plot_box(recording, layout, box);
+  plot.width = box.x + box.width - plot.x;  // no rates at the side
+  const LaneWindow& window = options_.window;
+  draw_marks(svg, options_, plot);
+  draw_lane_frame(svg, recording, layout, plot, box.x, window.begin_s, window.end_s);
+  for (const OverlayRaster& raster : rasters_) {
+    std::vector<RasterGrid> grids =
+        raster_grids(*raster.recording, layout, window.begin_s, window.end_s, static_cast<std::size_t>(plot.width));
+    std::vector<std::size_t> runs;
+    for (const RasterGrid& grid : grids) {
+      runs.push_back(count_runs(grid));
+    }
+    const std::size_t runs_a_lane = fair_cap(runs, options_.max_runs / rasters_.size());
+    for (std::size_t k = 0; k < grids.size(); ++k) {
+      const Lane& lane = layout.lanes[k];
+      const RasterGrid grid = coarsen(std::move(grids[k]), runs_a_lane);
+      const double row_px = lane.height_px / static_cast<double>(grid.rows);
+      const auto paths = raster_paths(grid, {plot.x, plot.y + lane.y_px, plot.width, lane.height_px});
+      for (std::size_t level = 0; level < kDarknessLevels; ++level) {
+        svg.path(paths[level], "s-" + raster.ink,
+                 fmt::format("stroke-width=\"{}\" stroke-opacity=\"{}\"",
+                             coordinate(std::clamp(row_px * 0.85, 1.0, 10.0)), kDarkness[level]));
+      }
+    }
+  }
+}
+
+std::string OverlayPlot::responsive(const std::string& description) const {
+  return responsive_plot(*this, description);
+}
+
 }  // namespace tectum

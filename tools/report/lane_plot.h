@@ -55,4 +55,26 @@ class RatePlot {
   LanePlotOptions options_;
 };
 
+/// One of several rasters in one picture.
+struct OverlayRaster {
+  const Recording* recording = nullptr;  // same populations and neurons in all
+  std::string ink;                       // a role of tools/report/theme.h
+};
+
+/// Rasters over each other, each in its own ink, the last on top. `summaries` are of all their spikes together, and
+/// must outlive the plot.
+class OverlayPlot {
+ public:
+  OverlayPlot(std::vector<OverlayRaster> rasters, const std::vector<PopulationSummary>& summaries,
+              LanePlotOptions options);
+  [[nodiscard]] double height_px() const;
+  void draw(SvgBody&, const Box&) const;
+  [[nodiscard]] std::string responsive(const std::string& description) const;
+
+ private:
+  std::vector<OverlayRaster> rasters_;
+  const std::vector<PopulationSummary>& summaries_;
+  LanePlotOptions options_;
+};
+
 }  // namespace tectum

@@ -32,6 +32,8 @@ th,td{padding:5px 6px;text-align:right;border-bottom:1px solid var(--grid);verti
 td:not(:first-child){white-space:nowrap}
 th:first-child,td:first-child{text-align:left;padding-left:0}
 thead th{font-size:13px;color:var(--muted);font-weight:600}
+table.text th,table.text td{text-align:left;white-space:normal;overflow-wrap:anywhere}
+table.text td:first-child,table.text th:first-child{min-width:6.5em;overflow-wrap:normal}
 td small{display:block;color:var(--muted);font-size:12px;line-height:1.3}
 details>summary{cursor:pointer;color:var(--muted);margin:8px 0}
 code{font-size:13px;overflow-wrap:anywhere}
@@ -113,7 +115,7 @@ void ReportPage::cards(const std::vector<ReportCard>& cards) {
 }
 
 void ReportPage::table(const ReportTable& table) {
-  body_ += "<table><thead><tr>";
+  body_ += table.holds_text ? "<table class=\"text\"><thead><tr>" : "<table><thead><tr>";
   for (const std::string& cell : table.header) {
     body_ += fmt::format("<th>{}</th>", xml_escape(cell));
   }

@@ -16,6 +16,7 @@ struct ReportTable {
   std::vector<std::string> header;  // first column: row names
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> notes;  // one a row, under its name; may be empty
+  bool holds_text = false;         // cells are sentences: left-aligned, and broken into lines
 };
 
 /// Text arguments are plain and escaped here; `svg` and `html` arguments are written as they are.

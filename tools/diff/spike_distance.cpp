@@ -93,19 +93,28 @@ double van_rossum_distance(std::span<const double> a_ms, std::span<const double>
 }
 
 double victor_purpura_distance(std::span<const double> a_ms, std::span<const double> b_ms, double cost_per_ms) {
-  std::vector<double> row(b_ms.size() + 1), before(b_ms.size() + 1);
-  for (std::size_t j = 0; j <= b_ms.size(); ++j) {
-    row[j] = static_cast<double>(j);
-  }
-  for (std::size_t i = 1; i <= a_ms.size(); ++i) {
-    before.swap(row);
-    row[0] = static_cast<double>(i);
-    for (std::size_t j = 1; j <= b_ms.size(); ++j) {
-      const double moved = before[j - 1] + cost_per_ms * std::abs(a_ms[i - 1] - b_ms[j - 1]);
-      row[j] = std::min({before[j] + 1, row[j - 1] + 1, moved});
+  // Everything taken out and put in costs |a| + |b|; each spike moved instead saves 2 - cost |a_i - b_j|, so that only
+  // spikes within 2 / cost of each other can be a pair. `saved[j]`: the most that the spikes of `a` so far and the
+  // first j of `b` can save, paired in order; the same for all j from `reached` on.
+  const double reach_ms = 2 / cost_per_ms;
+  std::vector<double> saved(b_ms.size() + 1, 0.0);
+  std::size_t first = 0, reached = 0;
+  for (const double t_ms : a_ms) {
+    while (first < b_ms.size() && b_ms[first] < t_ms - reach_ms) {
+      ++first;
+    }
+    const double so_far = saved[reached];
+    while (reached < first || (reached < b_ms.size() && b_ms[reached] <= t_ms + reach_ms)) {
+      saved[++reached] = so_far;
+    }
+    double diagonal = saved[first];
+    for (std::size_t j = first; j < reached; ++j) {
+      const double above = saved[j + 1];
+      saved[j + 1] = std::max({above, saved[j], diagonal + 2 - cost_per_ms * std::abs(t_ms - b_ms[j])});
+      diagonal = above;
     }
   }
-  return row.back();
+  return static_cast<double>(a_ms.size() + b_ms.size()) - saved[reached];
 }
 
 double spike_distance(std::span<const double> a_ms, std::span<const double> b_ms, double begin_ms, double end_ms) {

@@ -22,9 +22,9 @@ struct World {
 
 /// The first circuit's own run, and what the second one's retina makes of it.
 World run_first(const CircuitView& a, const CircuitView& b, double duration_s) {
-  Battery battery = make_battery(1, HeadGeometry{}.wall_distance_m);
-  battery.scenario.path = {{0, {0.06, 0.03}}};  // not straight ahead: the periphery is lit
-  SimulatedRunOptions options = battery_options(a.image, battery, 1);
+  Battery battery = make_battery({}, 1);
+  battery.head.scenario.path = {{0, {0.06, 0.03}}};  // not straight ahead: the periphery is lit
+  SimulatedRunOptions options = battery_options(a.image, battery);
   options.duration_s = duration_s;
   PictureTap tap(a.image, b.image);
   RunObserver observer;

@@ -15,9 +15,9 @@ using namespace tectum;
 namespace {
 
 Recording run_at(const CircuitView& view, const std::vector<PathPoint>& path, double duration_s) {
-  Battery battery = make_battery(1, HeadGeometry{}.wall_distance_m);
-  battery.scenario.path = path;
-  SimulatedRunOptions options = battery_options(view.image, battery, 1);
+  Battery battery = make_battery({}, 1);
+  battery.head.scenario.path = path;
+  SimulatedRunOptions options = battery_options(view.image, battery);
   options.duration_s = duration_s;
   return run_simulated_head(view.image, options);
 }

@@ -1,9 +1,11 @@
 #include "tools/diff/battery.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "runtime/image/philox.h"
+#include "tools/analysis/gaze_traces.h"
 
 namespace tectum {
 namespace {
@@ -16,12 +18,15 @@ constexpr double kRampS = 1;
 constexpr double kOnsetJitterS = 0.022;  // a frame of 45 Hz
 constexpr double kSizeJitter = 0.1;
 constexpr double kSampleRateHz = 500;
+constexpr double kSettledAfterS = 0.6;
+constexpr double kSlowestPursuitDegS = 2;  // above what a moving neck does to the target's direction seen from an eye
 
 class BatteryBuilder {
  public:
   BatteryBuilder(std::uint64_t seed, double wall_m) : seed_(seed), wall_m_(wall_m) {
-    battery_.scenario.kind = ScenarioKind::Path;
-    battery_.scenario.path.push_back({0, {0, 0}});
+    battery_.head.seed = seed;
+    path().push_back({0, {0, 0}});
+    battery_.head.scenario.kind = ScenarioKind::Path;
   }
 
   Battery build() {
@@ -41,6 +46,7 @@ class BatteryBuilder {
   }
 
  private:
+  std::vector<PathPoint>& path() { return battery_.head.scenario.path; }
   /// Uniform in [-1, 1).
   double draw() {
     const PhiloxWords words = philox4x32(seed_, {draws_++, 0, 0, 0xBA77E27U});
@@ -51,24 +57,24 @@ class BatteryBuilder {
     return {metres(deg[0]), metres(deg[1])};
   }
   void add(PartKind kind, double length_s, const std::array<double, 2>& to_deg) {
-    battery_.parts.push_back({kind, now_s_, now_s_ + length_s, at_deg_, to_deg});
+    battery_.parts.push_back({kind, now_s_, now_s_ + length_s});
     now_s_ += length_s;
     at_deg_ = to_deg;
   }
   void rest(double length_s) {
-    battery_.scenario.path.push_back({now_s_ + length_s, on_wall(at_deg_)});
+    path().push_back({now_s_ + length_s, on_wall(at_deg_)});
     add(PartKind::Fixation, length_s, at_deg_);
   }
   void step(const std::array<double, 2>& to_deg) {
     const double wait_s = kOnsetJitterS * (draw() + 1) / 2;
-    battery_.scenario.path.push_back({now_s_ + wait_s, on_wall(at_deg_)});
+    path().push_back({now_s_ + wait_s, on_wall(at_deg_)});
     now_s_ += wait_s;
-    battery_.scenario.path.push_back({now_s_, on_wall(to_deg)});
-    battery_.scenario.path.push_back({now_s_ + kHoldS, on_wall(to_deg)});
+    path().push_back({now_s_, on_wall(to_deg)});
+    path().push_back({now_s_ + kHoldS, on_wall(to_deg)});
     add(PartKind::Step, kHoldS, to_deg);
   }
   void ramp(const std::array<double, 2>& to_deg, double length_s) {
-    battery_.scenario.path.push_back({now_s_ + length_s, on_wall(to_deg)});
+    path().push_back({now_s_ + length_s, on_wall(to_deg)});
     add(PartKind::Pursuit, length_s, to_deg);
   }
 
@@ -80,20 +86,62 @@ class BatteryBuilder {
   Battery battery_;
 };
 
-}  // namespace
-
-Battery make_battery(std::uint64_t seed, double wall_distance_m) {
-  return BatteryBuilder(seed, wall_distance_m).build();
+/// Without its first frame, in which the target may still be on its way.
+bool moves_between(const AngleTrace& target, double begin_s, double end_s) {
+  double way_deg = 0, first_s = end_s, last_s = begin_s;
+  for (std::size_t k = 1; k < target.time_s.size(); ++k) {
+    if (target.time_s[k - 1] >= begin_s && target.time_s[k] < end_s) {
+      way_deg += std::hypot(target.pan_deg[k] - target.pan_deg[k - 1], target.tilt_deg[k] - target.tilt_deg[k - 1]);
+      first_s = std::min(first_s, target.time_s[k - 1]);
+      last_s = target.time_s[k];
+    }
+  }
+  return last_s > first_s && way_deg / (last_s - first_s) > kSlowestPursuitDegS;
 }
 
-SimulatedRunOptions battery_options(const SpikeImage& fitted_image, const Battery& battery, std::uint64_t seed) {
+}  // namespace
+
+Battery make_battery(const BatteryPlan& plan, std::uint64_t seed) {
+  if (plan.is_built_in) {
+    return BatteryBuilder(seed, HeadGeometry{}.wall_distance_m).build();
+  }
+  Battery battery{plan.head, {}, plan.duration_s};
+  battery.head.seed = seed;
+  return battery;
+}
+
+SimulatedRunOptions battery_options(const SpikeImage& fitted_image, const Battery& battery) {
   SimulatedRunOptions options;
-  options.head.seed = seed;
-  options.head.scenario = battery.scenario;
-  options.head = fitted_to(fitted_image, options.head);
+  options.head = fitted_to(fitted_image, battery.head);
   options.duration_s = battery.duration_s;
   options.sample_rate_hz = kSampleRateHz;
   return options;
+}
+
+std::vector<RunPart> parts_of(const Recording& recording) {
+  std::vector<RunPart> parts;
+  const AngleTrace target = target_trace(recording, Eye::Left);
+  if (target.time_s.size() < 2) {
+    return parts;
+  }
+  std::vector<double> edges_s = target_jump_times_s(recording);
+  const std::size_t jumps = edges_s.size();
+  edges_s.insert(edges_s.begin(), target.time_s.front());
+  edges_s.push_back(time_range(recording).end_s);
+  for (std::size_t k = 0; k + 1 < edges_s.size(); ++k) {
+    const double begin_s = edges_s[k], end_s = edges_s[k + 1];
+    if (moves_between(target, begin_s, end_s)) {
+      parts.push_back({PartKind::Pursuit, begin_s, end_s});
+    } else if (k == 0 || jumps == 0) {
+      parts.push_back({PartKind::Fixation, begin_s, end_s});
+    } else {
+      parts.push_back({PartKind::Step, begin_s, end_s});
+      if (end_s - begin_s > kSettledAfterS + kFixationS) {
+        parts.push_back({PartKind::Fixation, begin_s + kSettledAfterS, end_s});
+      }
+    }
+  }
+  return parts;
 }
 
 }  // namespace tectum

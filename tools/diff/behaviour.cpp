@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "tools/analysis/statistics.h"
-#include "tools/diff/kinematics.h"
 #include "tools/diff/open_loop_run.h"
 #include "tools/evaluate/parallel_jobs.h"
 
@@ -29,6 +27,8 @@ double standard_deviation(const std::vector<double>& sample) {
 struct SeedRun {
   Battery battery;
   Recording a, b;
+
+  [[nodiscard]] RecordingPair pair() const { return {a, b, battery.parts.empty() ? parts_of(a) : battery.parts}; }
 };
 
 bool is_same_run(const SeedRun& run, const std::vector<std::uint32_t>& in_b) {
@@ -58,9 +58,11 @@ class BehaviourComparison {
   Behaviour run() {
     run_batteries();
     Behaviour behaviour;
+    const std::uint64_t first_seed = options_.plan.first_seed;
     behaviour.what =
-        fmt::format("fixation, steps in eight directions and a pursuit ramp, {:.2g} s, {}", runs_[0].battery.duration_s,
-                    runs_.size() == 1 ? "seed 1" : fmt::format("seeds 1 to {}", runs_.size()));
+        fmt::format("{}, {:.3g} s, {}", options_.plan.what, runs_[0].battery.duration_s,
+                    runs_.size() == 1 ? fmt::format("seed {}", first_seed)
+                                      : fmt::format("seeds {} to {}", first_seed, first_seed + runs_.size() - 1));
     std::vector<std::uint32_t> in_b(a_.image.header.neuron_count);
     for (std::uint32_t neuron = 0; neuron < in_b.size(); ++neuron) {
       in_b[neuron] = counterpart(a_, b_, structure_.match, neuron);
@@ -68,22 +70,22 @@ class BehaviourComparison {
     behaviour.is_same =
         std::all_of(runs_.begin(), runs_.end(), [&](const SeedRun& seed) { return is_same_run(seed, in_b); });
     const LitNeurons lit_b = tap_.lit_neurons(runs_[0].a);
-    const std::vector<Job> jobs = {
-        [&](const auto&) {
-          OpenLoopRun driven(b_.image, runs_[0].a, lit_b);
-          behaviour.divergence = find_divergence({a_, b_, structure_, runs_[0].a, driven.recording(),
-                                                  [&](std::size_t frame) { driven.run_frame(frame); }});
-        },
-        [&](const auto&) {
-          std::vector<const Recording*> first, second;
-          for (const SeedRun& seed : runs_) {
-            first.push_back(&seed.a);
-            second.push_back(&seed.b);
-          }
-          behaviour.populations = compare_spikes(first, second, structure_.match.population_of_b);
-          behaviour.kinematics = figures();
-        }};
+    const std::vector<Job> jobs = {[&](const auto&) {
+                                     OpenLoopRun driven(b_.image, runs_[0].a, lit_b);
+                                     behaviour.divergence =
+                                         find_divergence({a_, b_, structure_, runs_[0].a, driven.recording(),
+                                                          [&](std::size_t frame) { driven.run_frame(frame); }});
+                                   },
+                                   [&](const auto&) {
+                                     std::vector<RecordingPair> pairs;
+                                     for (const SeedRun& seed : runs_) {
+                                       pairs.push_back(seed.pair());
+                                       add_kinematics(pairs.back(), behaviour.kinematics);
+                                     }
+                                     behaviour.populations = compare_spikes(pairs, structure_.match.population_of_b);
+                                   }};
     run_jobs(jobs, options_.threads, {});
+    behaviour.first_parts = runs_[0].pair().parts;
     behaviour.first_a = std::move(runs_[0].a);
     behaviour.first_b = std::move(runs_[0].b);
     return behaviour;
@@ -94,11 +96,10 @@ class BehaviourComparison {
     const SpikeImage& fitted = a_.image.retinas.empty() ? b_.image : a_.image;
     std::vector<Job> jobs;
     for (std::size_t s = 0; s < runs_.size(); ++s) {
-      const std::uint64_t seed = s + 1;
-      runs_[s].battery = make_battery(seed, HeadGeometry{}.wall_distance_m);
+      runs_[s].battery = make_battery(options_.plan, options_.plan.first_seed + s);
       for (const bool is_a : {true, false}) {
-        jobs.push_back([this, s, seed, is_a, &fitted](const std::function<void(double)>& progress) {
-          const SimulatedRunOptions options = battery_options(fitted, runs_[s].battery, seed);
+        jobs.push_back([this, s, is_a, &fitted](const std::function<void(double)>& progress) {
+          const SimulatedRunOptions options = battery_options(fitted, runs_[s].battery);
           RunObserver observer{.progress = progress, .pictures = {}};
           std::size_t frame = 0;
           if (is_a && s == 0 && tap_.needs_pictures()) {
@@ -115,23 +116,6 @@ class BehaviourComparison {
     run_jobs(jobs, options_.threads, options_.progress);
   }
 
-  [[nodiscard]] std::vector<PairedFigure> figures() const {
-    std::vector<PairedFigure> found;
-    for (const SeedRun& seed : runs_) {
-      const std::vector<KinematicFigure> x = kinematics(seed.a, seed.battery), y = kinematics(seed.b, seed.battery);
-      found.resize(x.size());
-      for (std::size_t k = 0; k < x.size(); ++k) {
-        found[k].name = x[k].name;
-        found[k].unit = x[k].unit;
-        if (x[k].value && y[k].value) {
-          found[k].a.push_back(*x[k].value);
-          found[k].b.push_back(*y[k].value);
-        }
-      }
-    }
-    return found;
-  }
-
   const CircuitView& a_;
   const CircuitView& b_;
   const StructureDiff& structure_;
@@ -140,52 +124,17 @@ class BehaviourComparison {
   std::vector<SeedRun> runs_;
 };
 
-std::string figure_line(const PairedFigure& figure) {
-  const std::optional<bool> exceeds = figure.exceeds_spread();
-  const char* verdict = !exceeds ? "one seed" : *exceeds ? "beyond the spread" : "within the spread";
-  return fmt::format("  {:<18} {:>9.4g} {:>9.4g} {:>+9.3g} {:>9.3g}  {:<5}  {}\n", figure.name, figure.mean_a(),
-                     figure.mean_b(), figure.difference(), figure.spread(), figure.unit, verdict);
-}
-
-std::string kinematics_text(const Behaviour& behaviour) {
-  std::string text = fmt::format("  {:<18} {:>9} {:>9} {:>9} {:>9}\n", "", "first", "second", "change", "spread");
-  for (const PairedFigure& figure : behaviour.kinematics) {
-    text += figure.a.empty() ? fmt::format("  {:<18} {:>9}\n", figure.name, "-") : figure_line(figure);
-  }
-  return text;
-}
-
-std::string populations_text(const Behaviour& behaviour) {
-  constexpr std::size_t kMost = 10;
-  std::vector<const PopulationDifference*> order;
-  for (const PopulationDifference& population : behaviour.populations) {
-    order.push_back(&population);
-  }
-  std::stable_sort(order.begin(), order.end(), [](const PopulationDifference* x, const PopulationDifference* y) {
-    return x->van_rossum > y->van_rossum;
-  });
-  std::string text =
-      fmt::format("  {:<18} {:>9} {:>9} {:>9} {:>9} {:>7} {:>10} {:>9} {:>6}\n", "population", "first Hz", "second Hz",
-                  "change", "spread", "lag ms", "van Rossum", "Vic.-Pur.", "SPIKE");
-  for (std::size_t k = 0; k < std::min(order.size(), kMost); ++k) {
-    const PopulationDifference& p = *order[k];
-    const std::optional<bool> exceeds = p.rate.exceeds_spread();
-    text += fmt::format("  {:<18} {:>9.1f} {:>9.1f} {:>+8.1f}{} {:>9.2f} {:>7} {:>10.2f} {:>9.1f} {:>6.3f}\n", p.name,
-                        p.rate.mean_a(), p.rate.mean_b(), p.rate.difference(), exceeds && *exceeds ? "*" : " ",
-                        p.rate.spread(), p.lag_ms ? fmt::format("{:+.0f}", *p.lag_ms) : "-", p.van_rossum,
-                        p.victor_purpura, p.spike);
-  }
-  if (order.size() > kMost) {
-    text += fmt::format("  and {} more, which differ less\n", order.size() - kMost);
-  }
-  return text;
-}
-
 }  // namespace
 
 double PairedFigure::mean_a() const { return mean(a); }
 double PairedFigure::mean_b() const { return mean(b); }
-double PairedFigure::spread() const { return std::max(standard_deviation(a), standard_deviation(b)); }
+double PairedFigure::spread() const {
+  std::vector<double> differences;
+  for (std::size_t s = 0; s < a.size(); ++s) {
+    differences.push_back(b[s] - a[s]);
+  }
+  return standard_deviation(differences);
+}
 std::optional<bool> PairedFigure::exceeds_spread() const {
   if (a.size() < 2) {
     return std::nullopt;
@@ -198,24 +147,22 @@ std::optional<bool> PairedFigure::exceeds_spread() const {
   return (is_up || is_down) && std::abs(difference()) > spread();
 }
 
+void add_kinematics(const RecordingPair& pair, std::vector<PairedFigure>& figures) {
+  const std::vector<KinematicFigure> x = kinematics(pair.a, pair.parts), y = kinematics(pair.b, pair.parts);
+  figures.resize(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    figures[k].name = x[k].name;
+    figures[k].unit = x[k].unit;
+    if (x[k].value && y[k].value) {
+      figures[k].a.push_back(*x[k].value);
+      figures[k].b.push_back(*y[k].value);
+    }
+  }
+}
+
 Behaviour compare_behaviour(const CircuitView& a, const CircuitView& b, const StructureDiff& structure,
                             const BehaviourOptions& options) {
   return BehaviourComparison(a, b, structure, options).run();
-}
-
-std::string behaviour_text(const Behaviour& behaviour) {
-  std::string text = divergence_text(behaviour.divergence);
-  text += "\nbehaviour: " + behaviour.what + "\n";
-  if (behaviour.is_same) {
-    return text + "  the same, spike for spike and command for command\n";
-  }
-  if (!behaviour.kinematics.empty()) {
-    text += kinematics_text(behaviour);
-  }
-  if (!behaviour.populations.empty()) {
-    text += populations_text(behaviour);
-  }
-  return text;
 }
 
 }  // namespace tectum

@@ -9,6 +9,7 @@
 
 #include "tools/diff/battery.h"
 #include "tools/diff/divergence.h"
+#include "tools/diff/kinematics.h"
 
 namespace tectum {
 
@@ -20,15 +21,19 @@ struct PairedFigure {
   [[nodiscard]] double mean_a() const;
   [[nodiscard]] double mean_b() const;
   [[nodiscard]] double difference() const { return mean_b() - mean_a(); }
-  /// The larger of the two standard deviations over the seeds; 0 for one seed.
+  /// Standard deviation of the difference over the seeds. A seed is the same noise and the same target for both, so
+  /// that what both owe to it drops out. 0 for one seed.
   [[nodiscard]] double spread() const;
-  /// Every seed differs in the same direction, and the mean difference is larger than the spread. Nothing for one seed.
+  /// Every seed differs in the same direction, and the mean difference is larger than its spread. Nothing for one seed.
   [[nodiscard]] std::optional<bool> exceeds_spread() const;
 };
 
 struct PopulationDifference {
   std::string name;   // of the second circuit
   PairedFigure rate;  // Hz, mean of a neuron
+  /// ms from a jump of the target until the population's rate has done half of its way to its highest or lowest; mean
+  /// over the jumps that it answers in both circuits. Without seeds where it answers none.
+  PairedFigure latency;
   /// The shift, positive when the second is later, at which the two rate profiles agree best (first seed, bins of 1 ms
   /// smoothed by 3 ms, up to 40 ms either way); nothing for a population without a profile.
   std::optional<double> lag_ms;
@@ -44,21 +49,35 @@ struct Behaviour {
   std::vector<PopulationDifference> populations;  // those whose spikes differ, in the order of the second circuit
   Divergence divergence;
   Recording first_a, first_b;  // of the first seed, for pictures
+  std::vector<RunPart> first_parts;
 };
 
 struct BehaviourOptions {
-  std::uint64_t seeds = 4;  // from 1 on
-  unsigned threads = 0;     // 0: one for each core
+  BatteryPlan plan = {};
+  std::uint64_t seeds = 4;
+  unsigned threads = 0;  // 0: one for each core
   std::function<void(double)> progress;
 };
 
 [[nodiscard]] Behaviour compare_behaviour(const CircuitView& a, const CircuitView& b, const StructureDiff& structure,
                                           const BehaviourOptions& options);
 
-/// Rates, lags and distances of two recordings of the same input or time. `match` is of their populations by index.
-[[nodiscard]] std::vector<PopulationDifference> compare_spikes(const std::vector<const Recording*>& a,
-                                                               const std::vector<const Recording*>& b,
+/// Two recordings of the same input, or of the same target.
+struct RecordingPair {
+  const Recording& a;
+  const Recording& b;
+  std::vector<RunPart> parts;
+};
+
+/// Rates, latencies, lags and distances, one pair a seed. Populations are matched by index.
+[[nodiscard]] std::vector<PopulationDifference> compare_spikes(const std::vector<RecordingPair>& pairs,
                                                                const std::vector<std::uint32_t>& population_of_b);
+
+/// Figure by figure; a run without one is left out.
+void add_kinematics(const RecordingPair& pair, std::vector<PairedFigure>& figures);
+
+/// One line: what was changed, where it shows first, and what it does to the eyes.
+[[nodiscard]] std::string verdict_text(const StructureDiff& structure, const Behaviour& behaviour);
 
 /// Lines for people.
 [[nodiscard]] std::string behaviour_text(const Behaviour& behaviour);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "tools/analysis/spike_times.h"
 #include "tools/analysis/statistics.h"
@@ -14,6 +15,8 @@ constexpr double kVictorPurpuraPerMs = 0.1;
 constexpr std::size_t kMostNeurons = 16;
 constexpr double kSmoothingMs = 3;
 constexpr int kLongestLagMs = 40;
+constexpr std::size_t kBeforeJumpMs = 50;
+constexpr double kLeastAnswerHz = 10;
 
 /// Spike times of a recording, neuron by neuron.
 class Trains {
@@ -96,6 +99,56 @@ std::optional<double> lag_ms(const std::vector<double>& a, const std::vector<dou
   return lag;
 }
 
+/// When a rate has done half of its way from before the jump to its farthest after it, and whether that is up or down.
+struct Answer {
+  double latency_ms = 0;
+  bool is_up = true;
+};
+
+/// Nothing where the rate stays within what it does without a jump.
+std::optional<Answer> answer(const std::vector<double>& profile, std::uint32_t neurons, const RunPart& part,
+                             std::optional<bool> must_be_up) {
+  const auto begin = static_cast<std::size_t>(part.begin_s * 1e3), end = static_cast<std::size_t>(part.end_s * 1e3);
+  if (begin < kBeforeJumpMs || end > profile.size() || end <= begin) {
+    return std::nullopt;
+  }
+  const std::span<const double> before(profile.data() + begin - kBeforeJumpMs, kBeforeJumpMs);
+  const std::span<const double> after(profile.data() + begin, end - begin);
+  const double rest = mean(before);
+  const auto [low, high] = std::minmax_element(after.begin(), after.end());
+  const auto [rest_low, rest_high] = std::minmax_element(before.begin(), before.end());
+  const double up = *high - rest, down = rest - *low;
+  const bool is_up = must_be_up.value_or(up >= down);
+  const double noise = 2 * std::max(*rest_high - rest, rest - *rest_low);
+  const double way = is_up ? up : down;
+  if (way <= noise || way * 1e3 / neurons < kLeastAnswerHz) {
+    return std::nullopt;
+  }
+  const auto half = std::find_if(after.begin(), after.end(),
+                                 [&](double value) { return (is_up ? value - rest : rest - value) >= way / 2; });
+  return Answer{static_cast<double>(half - after.begin()), is_up};
+}
+
+void latencies(const std::vector<double>& a, const std::vector<double>& b, std::uint32_t neurons,
+               const std::vector<RunPart>& parts, PairedFigure& latency) {
+  std::vector<double> first_ms, second_ms;
+  for (const RunPart& part : parts) {
+    if (part.kind != PartKind::Step) {
+      continue;
+    }
+    const std::optional<Answer> x = answer(a, neurons, part, std::nullopt);
+    const std::optional<Answer> y = x ? answer(b, neurons, part, x->is_up) : std::nullopt;
+    if (y) {
+      first_ms.push_back(x->latency_ms);
+      second_ms.push_back(y->latency_ms);
+    }
+  }
+  if (!first_ms.empty()) {
+    latency.a.push_back(mean(first_ms));
+    latency.b.push_back(mean(second_ms));
+  }
+}
+
 void distances(const Trains& a, std::size_t p, const Trains& b, std::size_t q, PopulationDifference& difference) {
   std::vector<std::uint32_t> firing;
   for (std::uint32_t i = 0; i < std::min(a.size(p), b.size(q)); ++i) {
@@ -129,14 +182,13 @@ bool is_same_population(const Trains& a, std::size_t p, const Trains& b, std::si
 
 }  // namespace
 
-std::vector<PopulationDifference> compare_spikes(const std::vector<const Recording*>& a,
-                                                 const std::vector<const Recording*>& b,
+std::vector<PopulationDifference> compare_spikes(const std::vector<RecordingPair>& pairs,
                                                  const std::vector<std::uint32_t>& population_of_b) {
   std::vector<PopulationDifference> found;
-  std::vector<Trains> trains_a, trains_b;
-  for (std::size_t s = 0; s < a.size(); ++s) {
-    trains_a.emplace_back(*a[s]);
-    trains_b.emplace_back(*b[s]);
+  std::vector<Trains> a, b;
+  for (const RecordingPair& pair : pairs) {
+    a.emplace_back(pair.a);
+    b.emplace_back(pair.b);
   }
   for (std::size_t q = 0; q < population_of_b.size(); ++q) {
     const std::uint32_t p = population_of_b[q];
@@ -144,21 +196,26 @@ std::vector<PopulationDifference> compare_spikes(const std::vector<const Recordi
       continue;
     }
     bool is_same = true;
-    for (std::size_t s = 0; s < a.size(); ++s) {
-      is_same = is_same && is_same_population(trains_a[s], p, trains_b[s], q);
+    for (std::size_t s = 0; s < pairs.size(); ++s) {
+      is_same = is_same && is_same_population(a[s], p, b[s], q);
     }
     if (is_same) {
       continue;
     }
     PopulationDifference difference;
-    difference.name = b.front()->populations[q].name;
+    difference.name = pairs.front().b.populations[q].name;
     difference.rate = {"rate", "Hz", {}, {}};
-    for (std::size_t s = 0; s < a.size(); ++s) {
-      difference.rate.a.push_back(trains_a[s].rate_hz(p));
-      difference.rate.b.push_back(trains_b[s].rate_hz(q));
+    difference.latency = {"latency", "ms", {}, {}};
+    for (std::size_t s = 0; s < pairs.size(); ++s) {
+      difference.rate.a.push_back(a[s].rate_hz(p));
+      difference.rate.b.push_back(b[s].rate_hz(q));
+      const std::vector<double> profile_a = a[s].profile(p), profile_b = b[s].profile(q);
+      latencies(profile_a, profile_b, std::max(a[s].size(p), b[s].size(q)), pairs[s].parts, difference.latency);
+      if (s == 0) {
+        difference.lag_ms = lag_ms(profile_a, profile_b);
+      }
     }
-    difference.lag_ms = lag_ms(trains_a[0].profile(p), trains_b[0].profile(q));
-    distances(trains_a[0], p, trains_b[0], q, difference);
+    distances(a[0], p, b[0], q, difference);
     found.push_back(std::move(difference));
   }
   return found;

@@ -74,12 +74,18 @@ Json kinematics_json(const Behaviour& behaviour) {
 Json populations_json(const Behaviour& behaviour) {
   Json populations = Json::array();
   for (const PopulationDifference& p : behaviour.populations) {
+    const bool has_latency = !p.latency.a.empty();
     populations.push_back({{"name", p.name},
                            {"first_hz", p.rate.mean_a()},
                            {"second_hz", p.rate.mean_b()},
                            {"change_hz", p.rate.difference()},
                            {"spread_hz", p.rate.spread()},
                            {"beyond_spread", or_null(p.rate.exceeds_spread())},
+                           {"first_latency_ms", has_latency ? Json(p.latency.mean_a()) : Json(nullptr)},
+                           {"second_latency_ms", has_latency ? Json(p.latency.mean_b()) : Json(nullptr)},
+                           {"latency_change_ms", has_latency ? Json(p.latency.difference()) : Json(nullptr)},
+                           {"latency_spread_ms", has_latency ? Json(p.latency.spread()) : Json(nullptr)},
+                           {"latency_beyond_spread", or_null(p.latency.exceeds_spread())},
                            {"lag_ms", or_null(p.lag_ms)},
                            {"van_rossum", p.van_rossum},
                            {"victor_purpura", p.victor_purpura},

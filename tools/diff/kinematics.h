@@ -1,12 +1,11 @@
-// What the eyes do in a battery, in the numbers of the eye-movement literature.
+// What the eyes do in a run, in the numbers of the eye-movement literature.
 #pragma once
 
-#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "runtime/record/recording.h"
+#include "tools/analysis/gaze_traces.h"
 #include "tools/diff/battery.h"
 
 namespace tectum {
@@ -18,16 +17,22 @@ struct KinematicFigure {
   std::optional<double> value;
 };
 
-/// Always the same figures in the same order. Means over both eyes, steps and parts of the battery:
+/// Eye and neck shafts added up, at Recording::positions where there are any: the direction of gaze for a neck near its
+/// middle. Otherwise the gaze of the frames.
+[[nodiscard]] AngleTrace shaft_trace(const Recording& recording, Eye eye);
+
+/// Always the same figures in the same order. Means over both eyes, steps and parts; a target is where each eye sees
+/// it:
 ///   fixation spread      standard deviation of the gaze while the target rests, both axes, deg
-///   fixation error       root mean square angle to the target then, deg
+///   fixation RMSE        root mean square angle to the target then, from 200 ms on, deg
 ///   saccade amplitude, peak velocity, latency
-///                        of the first saccade after each step: tools/analysis/saccades.h, shafts sampled at 500 Hz
-///   overshoot            farthest point beyond the target along the step, % of the step; 0 when it falls short
-///   settled error        root mean square angle to the target in the last 100 ms of each step, deg
-///   pursuit error        root mean square angle to the target on the ramp, from 200 ms on, deg
-///   pursuit gain         eye speed over target speed there, by least squares
-///   tracking error       root mean square angle to the target over the whole run, deg
-[[nodiscard]] std::vector<KinematicFigure> kinematics(const Recording& recording, const Battery& battery);
+///                        of the first saccade towards the target after each step (tools/analysis/saccades.h)
+///   overshoot            farthest point beyond the target along the way from where the eye was, % of that way; 0 when
+///                        it falls short
+///   settled RMSE         root mean square angle to the target in the last 100 ms of each step, deg
+///   pursuit RMSE         root mean square angle to the moving target, from 200 ms on, deg
+///   pursuit gain         eye movement over target movement there, by least squares over both axes
+///   RMSE                 root mean square angle to the target over the whole run, deg
+[[nodiscard]] std::vector<KinematicFigure> kinematics(const Recording& recording, const std::vector<RunPart>& parts);
 
 }  // namespace tectum

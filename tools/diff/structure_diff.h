@@ -54,6 +54,16 @@ struct StructureDiff {
 /// "0.0332 nA"; at most six digits.
 [[nodiscard]] std::string quantity_text(double value, const std::string& unit);
 
+/// Changes that say the same of several sides, as one.
+struct ChangeLine {
+  std::string group;  // nucleus, or empty
+  std::string text;   // "projection ifn_llbn, IFN -> LLBN: weight -0.0166 nA instead of -0.0332 nA (1600 of 1600 ...)"
+  std::string sides;  // "left, right", or empty
+  std::string because, place;  // of the first of them, may be empty
+};
+/// Group by group.
+[[nodiscard]] std::vector<ChangeLine> change_lines(const StructureDiff& diff);
+
 /// Lines for people; changes that say the same of several sides share one. Empty when nothing differs.
 [[nodiscard]] std::string structure_text(const StructureDiff& diff);
 

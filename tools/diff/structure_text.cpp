@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <iterator>
 
 #include "tools/diff/structure_diff.h"
 
@@ -38,44 +38,43 @@ std::string headline(const Change& change, const std::string& name, const std::s
 
 }  // namespace
 
-std::string structure_text(const StructureDiff& diff) {
-  struct Line {
-    std::string text, because, place;
-    std::vector<std::string> sides;
-  };
-  std::vector<std::pair<std::string, std::vector<Line>>> groups;
-  std::map<std::string, std::pair<std::size_t, std::size_t>> place_of_line;
+std::vector<ChangeLine> change_lines(const StructureDiff& diff) {
+  std::vector<std::pair<std::string, std::vector<ChangeLine>>> groups;
   for (const Change& change : diff.changes) {
-    const bool has_side = change.element == Element::Population || change.element == Element::Projection;
     const SidedName name = change.element == Element::Population ? sided_name(change.name) : SidedName{change.name, ""};
     const SidedName where = both_ends(change.where);
-    Line line{headline(change, name.base, where.base), change.because, change.place, {}};
     const std::string side = change.element == Element::Population ? name.side : where.side;
+    ChangeLine line{change.group, headline(change, name.base, where.base), side, change.because, change.place};
     auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == change.group; });
     if (group == groups.end()) {
       group = groups.insert(groups.end(), {change.group, {}});
     }
-    const std::string key = change.group + "\n" + line.text;
-    const auto known = place_of_line.find(key);
-    if (known == place_of_line.end()) {
-      place_of_line[key] = {static_cast<std::size_t>(group - groups.begin()), group->second.size()};
+    const auto known = std::find_if(group->second.begin(), group->second.end(),
+                                    [&](const ChangeLine& other) { return other.text == line.text; });
+    if (known == group->second.end()) {
       group->second.push_back(std::move(line));
-      if (has_side && !side.empty()) {
-        group->second.back().sides.push_back(side);
-      }
     } else if (!side.empty()) {
-      groups[known->second.first].second[known->second.second].sides.push_back(side);
+      known->sides += (known->sides.empty() ? "" : ", ") + side;
     }
   }
-  std::string text;
-  for (const auto& [group, lines] : groups) {
-    text += group.empty() ? "" : group + "\n";
-    for (const Line& line : lines) {
-      text += (group.empty() ? "" : "  ") + line.text;
-      text += line.sides.empty() ? "" : fmt::format(" [{}]", fmt::join(line.sides, ", "));
-      text += line.because.empty() ? "" : ", because " + line.because;
-      text += line.place.empty() ? "\n" : "  (" + line.place + ")\n";
+  std::vector<ChangeLine> lines;
+  for (auto& [group, of_group] : groups) {
+    std::move(of_group.begin(), of_group.end(), std::back_inserter(lines));
+  }
+  return lines;
+}
+
+std::string structure_text(const StructureDiff& diff) {
+  std::string text, group;
+  for (const ChangeLine& line : change_lines(diff)) {
+    if (line.group != group) {
+      group = line.group;
+      text += group.empty() ? "" : group + "\n";
     }
+    text += (line.group.empty() ? "" : "  ") + line.text;
+    text += line.sides.empty() ? "" : fmt::format(" [{}]", line.sides);
+    text += line.because.empty() ? "" : ", because " + line.because;
+    text += line.place.empty() ? "\n" : "  (" + line.place + ")\n";
   }
   return text;
 }

@@ -8,7 +8,6 @@
 
 #include "runtime/record/recording_file.h"
 #include "tools/analysis/run_summary.h"
-#include "tools/analysis/statistics.h"
 #include "tools/diff/load_view.h"
 #include "tools/diff/open_loop_run.h"
 
@@ -76,32 +75,21 @@ Recording driven_by(const CircuitView& view, const CircuitView& seen_by, const R
   return std::move(run.recording());
 }
 
-void add_figure(std::vector<PairedFigure>& figures, const char* name, const char* unit, double a, double b) {
-  figures.push_back({name, unit, {a}, {b}});
-}
-
+/// With the target, as of a battery; without, what the eyes alone say.
 std::vector<PairedFigure> recorded_figures(const Recording& a, const Recording& b) {
   std::vector<PairedFigure> figures;
-  const RunSummary x = summarize_run(a), y = summarize_run(b);
-  if (x.tracking.has_truth && y.tracking.has_truth) {
-    const auto over_eyes = [](const RunSummary& run, auto value) {
-      return (value(run.tracking.eye[0]) + value(run.tracking.eye[1])) / 2;
-    };
-    const auto error = [](const EyeMetrics& eye) { return eye.angle.rmse_deg; };
-    const auto settled = [](const EyeMetrics& eye) { return eye.angle_settled.rmse_deg; };
-    add_figure(figures, "tracking error", "deg", over_eyes(x, error), over_eyes(y, error));
-    add_figure(figures, "settled error", "deg", over_eyes(x, settled), over_eyes(y, settled));
+  if (has_truth(a) && has_truth(b)) {
+    add_kinematics({a, b, parts_of(a)}, figures);
+    return figures;
   }
-  const auto both = [](const RunSummary& run, auto value) {
-    return (value(run.saccades[0]) + value(run.saccades[1])) / 2;
-  };
+  const RunSummary x = summarize_run(a), y = summarize_run(b);
   const auto add = [&](const char* name, const char* unit, auto value) {
-    add_figure(figures, name, unit, both(x, value), both(y, value));
+    const auto over_eyes = [&](const RunSummary& run) { return (value(run.saccades[0]) + value(run.saccades[1])) / 2; };
+    figures.push_back({name, unit, {over_eyes(x)}, {over_eyes(y)}});
   };
   add("saccades", "", [](const EyeSaccades& eye) { return static_cast<double>(eye.saccades.size()); });
   add("saccade amplitude", "deg", [](const EyeSaccades& eye) { return eye.median_amplitude_deg; });
   add("peak velocity", "deg/s", [](const EyeSaccades& eye) { return eye.median_peak_velocity_deg_s; });
-  add("saccade latency", "ms", [](const EyeSaccades& eye) { return eye.median_latency_s * 1e3; });
   return figures;
 }
 
@@ -152,7 +140,9 @@ Behaviour compare_subjects(const DiffSubject& a, const DiffSubject& b, const Str
   }
   behaviour.first_a = a.recording ? *a.recording : driven_by(a.view, b.view, *b.recording);
   behaviour.first_b = b.recording ? *b.recording : driven_by(b.view, a.view, *a.recording);
-  behaviour.populations = compare_spikes({&behaviour.first_a}, {&behaviour.first_b}, structure.match.population_of_b);
+  behaviour.first_parts = parts_of(behaviour.first_a);
+  behaviour.populations =
+      compare_spikes({{behaviour.first_a, behaviour.first_b, behaviour.first_parts}}, structure.match.population_of_b);
   behaviour.divergence = find_divergence({a.view, b.view, structure, behaviour.first_a, behaviour.first_b, {}});
   const bool same_commands =
       std::equal(behaviour.first_a.frames.begin(), behaviour.first_a.frames.end(), behaviour.first_b.frames.begin(),

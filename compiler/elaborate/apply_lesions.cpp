@@ -72,6 +72,9 @@ void apply_lesions(const Circuit& circuit, Network& network) {
   keep_marked(synapses.delay_ticks, keep);
   keep_marked(synapses.pathway, keep);
   keep_marked(synapses.quanta, keep);
+  keep_marked(synapses.base_quanta, keep);
+  keep_marked(synapses.scale, keep);
+  keep_marked(synapses.ordinal, keep);
   for (NetworkPopulation& population : network.populations) {
     for (std::uint32_t i = 0; i < population.size; ++i) {
       if (is_silent[population.first_neuron + i]) {

@@ -30,9 +30,15 @@ std::string dump_network(const Network& network, std::size_t max_synapses) {
   for (std::size_t p = 0; p < network.pathways.size(); ++p) {
     const Pathway& pathway = network.pathways[p];
     const NetworkPopulation& post = network.populations[pathway.post_population];
-    text += fmt::format("pathway {}: {} -> {} {}, {} synapses\n", pathway.name,
+    text += fmt::format("pathway {}: {} -> {} {}, {} synapses", pathway.name,
                         network.populations[pathway.pre_population].name, post.name,
                         post.receptors[pathway.receptor].name, counts[p]);
+    if (pathway.rule != kNoRule) {
+      const PlasticRule& rule = network.rules[pathway.rule];
+      text += fmt::format(", learns {} by {}", kPlasticityFormNames[static_cast<std::size_t>(rule.plasticity.form)],
+                          kRewardChannelNames[static_cast<std::size_t>(rule.channel)]);
+    }
+    text += '\n';
   }
   const std::size_t shown = std::min(max_synapses, network.synapses.size());
   for (std::size_t s = 0; s < shown; ++s) {

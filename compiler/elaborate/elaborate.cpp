@@ -10,6 +10,7 @@
 #include "compiler/elaborate/analyse.h"
 #include "compiler/elaborate/apply_lesions.h"
 #include "compiler/elaborate/connect.h"
+#include "compiler/elaborate/plastic_pathways.h"
 #include "compiler/elaborate/quantise.h"
 #include "compiler/elaborate/same_tick_order.h"
 #include "compiler/expression/random_stream.h"
@@ -80,18 +81,6 @@ bool joins(const Projection& projection, const Circuit& circuit, const Endpoint&
   return true;
 }
 
-/// Is the target on this side, or the source where the target has no side?
-bool is_on_side(const std::string& side, const Circuit& circuit, const Instance& pre, const Instance& post) {
-  const Instance& end = post.sides.empty() ? pre : post;
-  const std::vector<AxisId>& axes = circuit.populations[index_of(end.population)].axes;
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (circuit.axes[index_of(axes[a])].sides[end.sides[a]] == side) {
-      return true;
-    }
-  }
-  return false;
-}
-
 bool passes_sides(const Projection& projection, const Circuit& circuit, const Instance& pre, const Instance& post) {
   return projection.only_sides.empty() ||
          std::any_of(projection.only_sides.begin(), projection.only_sides.end(),
@@ -119,12 +108,13 @@ std::string stream_name(const Projection& projection, const Circuit& circuit, co
 class Wiring {
  public:
   Wiring(const Circuit& circuit, Network& network, Diagnostics& diagnostics)
-      : circuit_(circuit), network_(network), diagnostics_(diagnostics) {}
+      : circuit_(circuit), network_(network), diagnostics_(diagnostics), plasticity_(circuit, network, diagnostics) {}
 
   void run() {
     for (std::size_t p = 0; p < circuit_.projections.size() && !is_full_; ++p) {
       add(circuit_.projections[p], static_cast<ProjectionId>(p));
     }
+    plasticity_.finish();
   }
 
   std::vector<double> weights;  // physical and signed
@@ -149,6 +139,9 @@ class Wiring {
           }
         }
       }
+    }
+    if (projection.plasticity && !has_failed_) {
+      plasticity_.report_unused(projection);
     }
     if (network_.synapses.size() == before && !has_failed_) {
       diagnostics_.add(Code::MatchesNoPair, projection.name_span).help_if(why_empty(projection), "{}");
@@ -188,7 +181,11 @@ class Wiring {
     has_failed_ = has_failed_ || !is_done;
     if (network_.synapses.size() > before) {
       network_.pathways.push_back({id, projection.name, projection.cite, projection.name_span,
-                                   static_cast<std::uint32_t>(pre), static_cast<std::uint32_t>(post), receptor});
+                                   static_cast<std::uint32_t>(pre), static_cast<std::uint32_t>(post), receptor,
+                                   kNoRule});
+      if (projection.plasticity) {
+        plasticity_.add(*projection.plasticity, from, to, before);
+      }
     }
   }
 
@@ -304,6 +301,7 @@ class Wiring {
   const Circuit& circuit_;
   Network& network_;
   Diagnostics& diagnostics_;
+  PlasticPathways plasticity_;
   std::vector<double> weight_values_;
   std::vector<double> delay_values_;
   bool has_failed_ = false;

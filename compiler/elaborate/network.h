@@ -33,6 +33,15 @@ struct NetworkPopulation {
   std::vector<std::uint32_t> silenced_neurons;  // local indices, ascending: lesioned, they never fire
 };
 
+/// How one pathway learns.
+struct PlasticRule {
+  Plasticity plasticity;
+  RewardChannel channel = RewardChannel::Pan;
+  std::uint32_t listed_count = 0;  // synapses of the pathway, before lesions
+};
+
+inline constexpr std::uint32_t kNoRule = 0xFFFFFFFFU;
+
 /// What one projection makes between two population sides. Synapses point here: it is their origin.
 struct Pathway {
   ProjectionId projection{};
@@ -42,6 +51,7 @@ struct Pathway {
   std::uint32_t pre_population = 0;
   std::uint32_t post_population = 0;
   std::uint32_t receptor = 0;
+  std::uint32_t rule = kNoRule;  // of Network::rules: its synapses learn
 };
 
 struct Synapses {
@@ -50,6 +60,10 @@ struct Synapses {
   std::vector<std::int32_t> quanta;
   std::vector<std::uint32_t> delay_ticks;
   std::vector<std::uint32_t> pathway;
+  // Empty in a network where nothing learns. Of synapses that learn: `quanta` is base_quanta * scale.
+  std::vector<std::int32_t> base_quanta;
+  std::vector<std::int32_t> scale;     // in 2^-kScaleBits
+  std::vector<std::uint32_t> ordinal;  // in the pathway, as made
 
   [[nodiscard]] std::size_t size() const { return pre.size(); }
 };
@@ -65,6 +79,7 @@ struct Network {
   std::uint64_t seed = 0;
   std::vector<NetworkPopulation> populations;
   std::vector<Pathway> pathways;
+  std::vector<PlasticRule> rules;
   Synapses synapses;
   std::vector<NetworkRetina> retinas;
   std::vector<Output> outputs;  // a term's instance is an index into populations

@@ -33,6 +33,12 @@ struct SlotSums {
   std::vector<int> last_bit;  // of all weights
 };
 
+/// The most that learning can make of a synapse's weight, as a share of it.
+double highest_factor(const Network& network, std::size_t synapse) {
+  const std::uint32_t rule = network.pathways[network.synapses.pathway[synapse]].rule;
+  return rule == kNoRule ? 1.0 : network.rules[rule].plasticity.highest;
+}
+
 SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
   SlotSums sums;
   std::size_t total = 0;
@@ -49,9 +55,11 @@ SlotSums sum_slots(const Network& network, const std::vector<double>& weights) {
     const NetworkPopulation& post = network.populations[pathway.post_population];
     const std::size_t slot = sums.first[pathway.post_population] + std::size_t{pathway.receptor} * post.size +
                              (synapses.post[s] - post.first_neuron);
-    sums.magnitude[slot] += std::abs(weights[s]);
+    sums.magnitude[slot] += std::abs(weights[s]) * highest_factor(network, s);
     ++sums.count[slot];
-    sums.last_bit[slot] = std::min(sums.last_bit[slot], last_bit(weights[s]));
+    // What learning makes of a weight has to be rounded, whatever the declared one is.
+    const int lowest_bit = pathway.rule == kNoRule ? last_bit(weights[s]) : std::numeric_limits<int>::min();
+    sums.last_bit[slot] = std::min(sums.last_bit[slot], lowest_bit);
   }
   return sums;
 }
@@ -113,6 +121,10 @@ RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weigh
       const double scale = std::max(std::abs(weights[s]), kNegligible * strongest[p]);
       double& worst = report.largest_relative_error[p];
       worst = std::max(worst, std::ldexp(std::abs(rounded - exact), q) / scale);
+    }
+    if (!synapses.scale.empty() && network.pathways[synapses.pathway[s]].rule != kNoRule) {
+      synapses.base_quanta[s] = synapses.quanta[s];
+      synapses.quanta[s] = plastic_quanta(synapses.base_quanta[s], synapses.scale[s]);
     }
   }
   return report;

@@ -13,7 +13,8 @@ struct RoundingReport {
 };
 
 /// Picks each receptor's quantum, a power of two, so that the sum over all synapses onto any slot stays below 2^30,
-/// and turns `weights` (physical, signed, one a synapse) into network.synapses.quanta.
+/// and turns `weights` (physical, signed, one a synapse) into network.synapses.quanta. A weight that learns counts as
+/// the highest that it can come to.
 /// Needs: every other column of the synapses. The sides of a population share their quanta.
 RoundingReport quantise(const Circuit& circuit, const std::vector<double>& weights, Network& network);
 

@@ -8,6 +8,7 @@
 
 #include "compiler/elaborate/same_tick_order.h"
 #include "compiler/lower/lower_model.h"
+#include "compiler/lower/lower_plasticity.h"
 #include "compiler/lower/lower_program.h"
 #include "compiler/lower/lower_rows.h"
 
@@ -156,7 +157,9 @@ class GroupLowering {
   std::uint32_t next_slot_ = 0;
 };
 
-void add_projections(const Network& network, ImageContents& image, Strings& strings) {
+/// Returns the record of each pathway.
+std::vector<std::uint32_t> add_projections(const Network& network, ImageContents& image, Strings& strings) {
+  std::vector<std::uint32_t> projection_of(network.pathways.size(), 0);
   std::vector<std::uint32_t> counts(network.pathways.size(), 0);
   for (const std::uint32_t pathway : network.synapses.pathway) {
     ++counts[pathway];
@@ -164,10 +167,12 @@ void add_projections(const Network& network, ImageContents& image, Strings& stri
   for (std::size_t p = 0; p < network.pathways.size(); ++p) {
     const Pathway& pathway = network.pathways[p];
     if (counts[p] > 0) {
+      projection_of[p] = static_cast<std::uint32_t>(image.projections.size());
       image.projections.push_back({strings.add(pathway.name), pathway.pre_population, pathway.post_population,
                                    pathway.receptor, counts[p], strings.add(pathway.cite)});
     }
   }
+  return projection_of;
 }
 
 void add_retinas(const Network& network, ImageContents& image, Strings& strings) {
@@ -231,8 +236,9 @@ ImageContents lower(const Network& network) {
         {strings.add(population.name), strings.add(population.nucleus), population.first_neuron, population.size});
   }
   const SlotLayout layout = GroupLowering(network, image, strings).run(order.populations);
-  lower_rows(network, layout, image);
-  add_projections(network, image, strings);
+  const std::vector<std::uint32_t> target_of = lower_rows(network, layout, image);
+  const std::vector<std::uint32_t> projection_of = add_projections(network, image, strings);
+  lower_plasticity(network, target_of, projection_of, image);
   add_retinas(network, image, strings);
   add_outputs(network, image, strings);
   return image;

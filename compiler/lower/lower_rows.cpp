@@ -12,15 +12,35 @@ struct Entry {
   std::int32_t quanta;
 };
 
-/// Entries grouped by presynaptic neuron: row i is [begin[i], begin[i + 1]).
-struct Rows {
-  std::vector<std::size_t> begin;
-  std::vector<Entry> entries;
+/// The same where something learns: whose entry it is, and whether it learns.
+struct TracedEntry : Entry {
+  std::uint32_t synapse;
+  bool learns;
 };
 
-Rows gather_rows(const Network& network, const SlotLayout& layout) {
+void trace(const Network&, std::size_t, Entry&) {}
+void trace(const Network& network, std::size_t synapse, TracedEntry& entry) {
+  entry.synapse = static_cast<std::uint32_t>(synapse);
+  entry.learns = network.pathways[network.synapses.pathway[synapse]].rule != kNoRule;
+}
+constexpr bool learns(const Entry&) { return false; }
+bool learns(const TracedEntry& entry) { return entry.learns; }
+void note_target(const Entry&, std::uint32_t, std::vector<std::uint32_t>&) {}
+void note_target(const TracedEntry& entry, std::uint32_t target, std::vector<std::uint32_t>& target_of) {
+  target_of[entry.synapse] = target;
+}
+
+/// Entries grouped by presynaptic neuron: row i is [begin[i], begin[i + 1]).
+template <typename Kind>
+struct Rows {
+  std::vector<std::size_t> begin;
+  std::vector<Kind> entries;
+};
+
+template <typename Kind>
+Rows<Kind> gather_rows(const Network& network, const SlotLayout& layout) {
   const Synapses& synapses = network.synapses;
-  Rows rows;
+  Rows<Kind> rows;
   rows.begin.assign(std::size_t{network.neuron_count()} + 1, 0);
   for (const std::uint32_t pre : synapses.pre) {
     ++rows.begin[std::size_t{pre} + 1];
@@ -36,65 +56,97 @@ Rows gather_rows(const Network& network, const SlotLayout& layout) {
     const std::size_t local = synapses.post[s] - post.first_neuron;
     const std::uint32_t slot =
         layout.slot_of[pathway.post_population][std::size_t{pathway.receptor} * post.size + local];
-    rows.entries[next[synapses.pre[s]]++] = {synapses.delay_ticks[s], slot, synapses.quanta[s]};
+    Kind& entry = rows.entries[next[synapses.pre[s]]++];
+    entry.delay_ticks = synapses.delay_ticks[s];
+    entry.slot = slot;
+    entry.quanta = synapses.quanta[s];
+    trace(network, s, entry);
   }
   return rows;
 }
 
-void append_segment(const Entry* begin, const Entry* end, ImageContents& image) {
-  SegmentRecord segment{};
-  segment.delay_ticks = begin->delay_ticks;
-  segment.target_begin = static_cast<std::uint32_t>(image.targets.size());
-  const bool has_one_weight = std::all_of(begin, end, [&](const Entry& e) { return e.quanta == begin->quanta; });
-  if (has_one_weight) {
-    segment.flags = kSegmentOneWeight;
-    const bool can_share = !image.weights.empty() && image.weights.back() == begin->quanta;
-    if (!can_share) {
-      image.weights.push_back(begin->quanta);
+/// Fills segments, targets and weights row by row.
+template <typename Kind>
+class RowLowering {
+ public:
+  RowLowering(ImageContents& image, std::vector<std::uint32_t>& target_of) : image_(image), target_of_(target_of) {}
+
+  void run(Rows<Kind>& rows) {
+    image_.targets.reserve(rows.entries.size());
+    const auto before = [](const Entry& a, const Entry& b) {
+      return std::tie(a.delay_ticks, a.slot) < std::tie(b.delay_ticks, b.slot);
+    };
+    for (std::size_t i = 0; i + 1 < rows.begin.size(); ++i) {
+      image_.row_begin.push_back(static_cast<std::uint32_t>(image_.segments.size()));
+      Kind* const begin = rows.entries.data() + rows.begin[i];
+      Kind* const end = rows.entries.data() + rows.begin[i + 1];
+      if (!std::is_sorted(begin, end, before)) {
+        std::stable_sort(begin, end, before);
+      }
+      for (const Kind* from = begin; from != end;) {
+        const Kind* to = from;
+        while (to != end && to->delay_ticks == from->delay_ticks) {
+          ++to;
+        }
+        append_segment(from, to);
+        from = to;
+      }
     }
-    segment.weight_begin = static_cast<std::uint32_t>(image.weights.size() - 1);
-  } else {
-    segment.weight_begin = static_cast<std::uint32_t>(image.weights.size());
+    image_.row_begin.push_back(static_cast<std::uint32_t>(image_.segments.size()));
+    SegmentRecord sentinel{};
+    sentinel.target_begin = static_cast<std::uint32_t>(image_.targets.size());
+    sentinel.weight_begin = static_cast<std::uint32_t>(image_.weights.size());
+    image_.segments.push_back(sentinel);
   }
-  for (const Entry* entry = begin; entry != end; ++entry) {
-    image.targets.push_back(entry->slot);
-    if (!has_one_weight) {
-      image.weights.push_back(entry->quanta);
+
+ private:
+  void append_segment(const Kind* begin, const Kind* end) {
+    SegmentRecord segment{};
+    segment.delay_ticks = begin->delay_ticks;
+    segment.target_begin = static_cast<std::uint32_t>(image_.targets.size());
+    const bool may_learn = std::any_of(begin, end, [](const Kind& e) { return learns(e); });
+    const bool has_one_weight =
+        !may_learn && std::all_of(begin, end, [&](const Entry& e) { return e.quanta == begin->quanta; });
+    if (has_one_weight) {
+      segment.flags = kSegmentOneWeight;
+      const bool can_share = !image_.weights.empty() && image_.weights.back() == begin->quanta && !last_may_learn_;
+      if (!can_share) {
+        image_.weights.push_back(begin->quanta);
+      }
+      segment.weight_begin = static_cast<std::uint32_t>(image_.weights.size() - 1);
+    } else {
+      segment.weight_begin = static_cast<std::uint32_t>(image_.weights.size());
     }
+    for (const Kind* entry = begin; entry != end; ++entry) {
+      note_target(*entry, static_cast<std::uint32_t>(image_.targets.size()), target_of_);
+      image_.targets.push_back(entry->slot);
+      if (!has_one_weight) {
+        image_.weights.push_back(entry->quanta);
+      }
+    }
+    last_may_learn_ = may_learn;
+    image_.segments.push_back(segment);
+    image_.max_delay_ticks = std::max(image_.max_delay_ticks, segment.delay_ticks);
   }
-  image.segments.push_back(segment);
-  image.max_delay_ticks = std::max(image.max_delay_ticks, segment.delay_ticks);
-}
+
+  ImageContents& image_;
+  std::vector<std::uint32_t>& target_of_;
+  bool last_may_learn_ = false;  // the segment before this one
+};
 
 }  // namespace
 
-void lower_rows(const Network& network, const SlotLayout& layout, ImageContents& image) {
-  Rows rows = gather_rows(network, layout);
-  image.targets.reserve(rows.entries.size());
-  const auto before = [](const Entry& a, const Entry& b) {
-    return std::tie(a.delay_ticks, a.slot) < std::tie(b.delay_ticks, b.slot);
-  };
-  for (std::size_t i = 0; i + 1 < rows.begin.size(); ++i) {
-    image.row_begin.push_back(static_cast<std::uint32_t>(image.segments.size()));
-    Entry* const begin = rows.entries.data() + rows.begin[i];
-    Entry* const end = rows.entries.data() + rows.begin[i + 1];
-    if (!std::is_sorted(begin, end, before)) {
-      std::stable_sort(begin, end, before);
-    }
-    for (const Entry* from = begin; from != end;) {
-      const Entry* to = from;
-      while (to != end && to->delay_ticks == from->delay_ticks) {
-        ++to;
-      }
-      append_segment(from, to, image);
-      from = to;
-    }
+std::vector<std::uint32_t> lower_rows(const Network& network, const SlotLayout& layout, ImageContents& image) {
+  std::vector<std::uint32_t> target_of;
+  if (network.rules.empty()) {
+    Rows<Entry> rows = gather_rows<Entry>(network, layout);
+    RowLowering<Entry>(image, target_of).run(rows);
+  } else {
+    target_of.resize(network.synapses.size());
+    Rows<TracedEntry> rows = gather_rows<TracedEntry>(network, layout);
+    RowLowering<TracedEntry>(image, target_of).run(rows);
   }
-  image.row_begin.push_back(static_cast<std::uint32_t>(image.segments.size()));
-  SegmentRecord sentinel{};
-  sentinel.target_begin = static_cast<std::uint32_t>(image.targets.size());
-  sentinel.weight_begin = static_cast<std::uint32_t>(image.weights.size());
-  image.segments.push_back(sentinel);
+  return target_of;
 }
 
 }  // namespace tectum

@@ -2,23 +2,31 @@
 
 namespace tectum {
 
-void keep_synapses(const std::vector<bool>& keep, Synapses& synapses) {
+namespace {
+
+/// Columns of what is not there are empty.
+template <typename T>
+void keep_marked(const std::vector<bool>& keep, std::vector<T>& column) {
   std::size_t kept = 0;
-  for (std::size_t s = 0; s < synapses.size(); ++s) {
-    if (keep[s]) {
-      synapses.pre[kept] = synapses.pre[s];
-      synapses.post[kept] = synapses.post[s];
-      synapses.quanta[kept] = synapses.quanta[s];
-      synapses.delay_ticks[kept] = synapses.delay_ticks[s];
-      synapses.pathway[kept] = synapses.pathway[s];
-      ++kept;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    if (keep[i]) {
+      column[kept++] = column[i];
     }
   }
-  synapses.pre.resize(kept);
-  synapses.post.resize(kept);
-  synapses.quanta.resize(kept);
-  synapses.delay_ticks.resize(kept);
-  synapses.pathway.resize(kept);
+  column.resize(kept);
+}
+
+}  // namespace
+
+void keep_synapses(const std::vector<bool>& keep, Synapses& synapses) {
+  keep_marked(keep, synapses.pre);
+  keep_marked(keep, synapses.post);
+  keep_marked(keep, synapses.quanta);
+  keep_marked(keep, synapses.delay_ticks);
+  keep_marked(keep, synapses.pathway);
+  keep_marked(keep, synapses.base_quanta);
+  keep_marked(keep, synapses.scale);
+  keep_marked(keep, synapses.ordinal);
 }
 
 }  // namespace tectum

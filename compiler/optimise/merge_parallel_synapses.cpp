@@ -10,7 +10,7 @@ namespace tectum {
 namespace {
 
 /// Pairs of population sides that more than one pathway joins onto the same receptor: only there can synapses be
-/// parallel, apart from a pathway that repeats itself, which no rule does.
+/// parallel, apart from a pathway that repeats itself, which no rule does. What learns goes its own way.
 std::vector<bool> may_be_parallel(const Network& network) {
   const auto ends = [&](std::size_t p) {
     const Pathway& pathway = network.pathways[p];
@@ -20,6 +20,9 @@ std::vector<bool> may_be_parallel(const Network& network) {
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return ends(a) < ends(b); });
   std::vector<bool> result(network.pathways.size(), false);
+  order.erase(
+      std::remove_if(order.begin(), order.end(), [&](std::uint32_t p) { return network.pathways[p].rule != kNoRule; }),
+      order.end());
   for (std::size_t i = 1; i < order.size(); ++i) {
     if (ends(order[i - 1]) == ends(order[i])) {
       result[order[i - 1]] = true;

@@ -137,6 +137,25 @@ struct SideDecl {
   NameDecl relation;
 };
 
+/// Which reward a target side learns by; `side` is empty when one serves them all.
+struct RewardUseDecl {
+  NameDecl side;
+  NameDecl channel;
+};
+
+/// How a projection's weights change while it runs.
+struct PlasticityDecl {
+  Span span;
+  bool is_poisoned = false;  // is no object
+  std::optional<NameDecl> form;
+  std::vector<RewardUseDecl> rewards;
+  std::vector<KeyedValue> numbers;  // of kPlasticityNumbers
+  std::vector<ValueDecl> bounds;    // none, or lowest and highest
+  Span bounds_span;
+  std::vector<KeyedValue> learned;  // "A.left->B.left": factors, one a synapse
+  ProvenanceDecl provenance;
+};
+
 struct ProjectionDecl {
   NameDecl name;
   std::vector<NameDecl> from;
@@ -150,6 +169,7 @@ struct ProjectionDecl {
   std::optional<ValueDecl> delay;
   std::optional<ValueDecl> where;
   std::vector<ExceptionDecl> exceptions;
+  std::optional<PlasticityDecl> plasticity;
   ProvenanceDecl provenance;
 };
 

@@ -162,6 +162,13 @@ class Expansion {
     localise(projection.delay);
     localise(projection.where);
     localise(projection.exceptions);
+    if (projection.plasticity) {
+      localise(projection.plasticity->numbers);
+      localise(projection.plasticity->learned);
+      for (ValueDecl& bound : projection.plasticity->bounds) {
+        localise(bound);
+      }
+    }
     decl_.projections.push_back(std::move(projection));
   }
 

@@ -29,6 +29,9 @@ class ObjectReader;
 /// "exceptions": { "left": { "weight": "2 nA" } } of a population or a projection.
 std::vector<ExceptionDecl> parse_exceptions(const SectionContext& context, ObjectReader& owner);
 
+/// "plasticity" of a projection.
+PlasticityDecl parse_plasticity(const SectionContext& context, JsonId id, const std::string& owner);
+
 /// "`size`".
 [[nodiscard]] std::string quoted_key(std::string_view key);
 /// "population `EBN`".

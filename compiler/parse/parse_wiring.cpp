@@ -109,6 +109,9 @@ ProjectionDecl parse_projection(const SectionContext& context, const Member& mem
   decl.delay = reader.required_value("delay");
   decl.where = reader.value("where");
   decl.exceptions = parse_exceptions(context, reader);
+  if (const JsonId id = reader.child("plasticity"); id != JsonId::None) {
+    decl.plasticity = parse_plasticity(context, id, reader.what());
+  }
   decl.provenance = reader.provenance();
   reader.finish();
   return decl;

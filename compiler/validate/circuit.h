@@ -14,6 +14,7 @@
 #include "compiler/expression/expression.h"
 #include "compiler/source/source_file.h"
 #include "compiler/validate/user_model.h"
+#include "runtime/image/plasticity.h"
 #include "runtime/image/spike_image.h"
 
 namespace tectum {
@@ -105,6 +106,34 @@ struct SideException {
   std::optional<TypedExpression> delay;
 };
 
+/// Which reward the target sides of this name learn by; empty means all.
+struct RewardUse {
+  std::string side;
+  RewardChannel channel = RewardChannel::Pan;
+};
+
+/// Factors on the declared weights of a pathway "A.left->B.left", in the order in which its synapses are made.
+struct LearnedFactors {
+  std::string pathway;
+  Span span;
+  std::vector<double> factors;
+};
+
+/// How a projection learns; the rule is in runtime/image/plasticity.h.
+struct Plasticity {
+  PlasticityForm form = PlasticityForm::ThreeFactor;
+  std::vector<RewardUse> rewards;  // a side that none of them means does not learn
+  double learning_rate = 0;        // 1/ms
+  double tau_eligibility_ms = 0;
+  double tau_rate_ms = 0;
+  double tau_mean_ms = 0;
+  double tau_reward_ms = 0;
+  double reference_rate = 0;  // 1/ms
+  double lowest = 0;          // of a weight, as a share of the declared one
+  double highest = 2;
+  std::vector<LearnedFactors> learned;
+};
+
 struct Projection {
   std::string name;
   Span name_span;
@@ -122,6 +151,7 @@ struct Projection {
   std::optional<TypedExpression> where;
   std::optional<EdgeTable> edges;
   std::vector<SideException> exceptions;
+  std::optional<Plasticity> plasticity;
   Span weight_span;
   Span delay_span;
   std::string cite;  // reference keys, comma separated

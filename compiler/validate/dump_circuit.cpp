@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "compiler/validate/circuit.h"
+#include "compiler/validate/plasticity_keys.h"
 #include "runtime/image/models.h"
 
 namespace tectum {
@@ -20,6 +21,18 @@ std::string dump_instance(const Instance& instance) {
 
 std::string value_text(const TypedExpression& expression) {
   return expression.constant ? format_quantity({*expression.constant, expression.dimension}) : "by pair";
+}
+
+std::string plasticity_text(const Plasticity& plasticity) {
+  std::string text = fmt::format(", learns {} by", kPlasticityFormNames[static_cast<std::size_t>(plasticity.form)]);
+  for (const RewardUse& reward : plasticity.rewards) {
+    text += fmt::format(" {}{}{}", reward.side, reward.side.empty() ? "" : ": ",
+                        kRewardChannelNames[static_cast<std::size_t>(reward.channel)]);
+  }
+  for (const PlasticityNumber& number : kPlasticityNumbers) {
+    text += fmt::format(", {} {}", number.key, format_quantity({plasticity.*number.field, number.dimension}));
+  }
+  return text + fmt::format(", {:g} to {:g} times the weight", plasticity.lowest, plasticity.highest);
 }
 
 constexpr const char* kRuleNames[] = {"one_to_one",      "all_to_all",       "fixed_probability",
@@ -44,10 +57,11 @@ std::string dump_circuit(const Circuit& circuit) {
     }
   }
   for (const Projection& projection : circuit.projections) {
-    text += fmt::format("projection {}: {} {}, weight {}, delay {}{}\n", projection.name,
+    text += fmt::format("projection {}: {} {}, weight {}, delay {}{}{}\n", projection.name,
                         projection.is_inhibitory ? "inhibitory" : "excitatory",
                         kRuleNames[static_cast<std::size_t>(projection.rule)], value_text(projection.weight),
-                        value_text(projection.delay), projection.where ? ", where" : "");
+                        value_text(projection.delay), projection.where ? ", where" : "",
+                        projection.plasticity ? plasticity_text(*projection.plasticity) : "");
   }
   for (const RetinaSheet& retina : circuit.retinas) {
     text += fmt::format("retina {}: {} fields, {:g} deg over {} px\n", retina.name, retina.fields.size(),

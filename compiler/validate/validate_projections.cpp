@@ -44,6 +44,9 @@ class ProjectionValidator {
     delay();
     where();
     v_.scope.absent.clear();
+    if (decl_.plasticity) {
+      made_.plasticity = validate_plasticity(v_, *decl_.plasticity, decl_.to.front().text, known_sides());
+    }
     if (made_.rule == RuleKind::OneToOne) {
       check_sizes();
     }

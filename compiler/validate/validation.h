@@ -59,6 +59,10 @@ void check_user_model(Validation& v, const Population& population, const NameDec
 void validate_retinas(Validation& v);
 void validate_populations(Validation& v);
 void validate_projections(Validation& v);
+/// `known_sides` are those of the projection's ends. Nothing when it has a mistake, which is reported.
+[[nodiscard]] std::optional<Plasticity> validate_plasticity(Validation& v, const PlasticityDecl& decl,
+                                                            const std::string& target,
+                                                            const std::vector<std::string>& known_sides);
 void validate_outputs(Validation& v);
 void validate_lesions(Validation& v);
 

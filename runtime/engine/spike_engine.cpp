@@ -67,11 +67,22 @@ unsigned thread_count(const SpikeImage& image, const UpdateGroups& groups, const
   return trial_seconds(image, groups, 1) > kWorthHaving * trial_seconds(image, groups, available) ? available : 1;
 }
 
+/// The image over weights of the engine's own, if it has some.
+SpikeImage with_weights(SpikeImage image, std::span<const std::int32_t> weights) {
+  if (!weights.empty()) {
+    image.weights = weights;
+  }
+  return image;
+}
+
 }  // namespace
 
 struct SpikeEngine::Impl {
   Impl(const SpikeImage& loaded, const EngineOptions& options)
-      : image(loaded),
+      : original_weights(loaded.weights),
+        weights(loaded.plasticity.empty() ? std::vector<std::int32_t>{}
+                                          : std::vector<std::int32_t>(loaded.weights.begin(), loaded.weights.end())),
+        image(with_weights(loaded, weights)),
         groups(make_groups(image, options)),
         runner(make_runner(image, groups, thread_count(image, groups, options))),
         ranges(image),
@@ -86,6 +97,8 @@ struct SpikeEngine::Impl {
   std::uint32_t advance(std::uint64_t at_most) noexcept;
   [[nodiscard]] std::uint32_t group_of(std::uint32_t neuron) const noexcept;
 
+  std::span<const std::int32_t> original_weights;  // in the image's storage
+  std::vector<std::int32_t> weights;               // of an image that learns, else none
   SpikeImage image;
   UpdateGroups groups;
   std::unique_ptr<Runner> runner;
@@ -99,6 +112,7 @@ struct SpikeEngine::Impl {
 };
 
 void SpikeEngine::Impl::reset() noexcept {
+  std::copy_n(original_weights.begin(), weights.size(), weights.begin());
   for (const auto& group : groups) {
     group->reset();
   }
@@ -145,6 +159,7 @@ std::span<const NeuronId> SpikeEngine::spikes() const noexcept {
   return impl_->last_ticks == 0 ? std::span<const NeuronId>{} : impl_->runner->spikes(impl_->last_ticks - 1);
 }
 std::span<const NeuronId> SpikeEngine::spikes(std::uint32_t k) const noexcept { return impl_->runner->spikes(k); }
+std::span<std::int32_t> SpikeEngine::plastic_weights() noexcept { return impl_->weights; }
 const EngineCounters& SpikeEngine::counters() const noexcept { return impl_->counters; }
 
 void SpikeEngine::set_field_active(NeuronId neuron, bool is_active) noexcept {

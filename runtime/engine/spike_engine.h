@@ -72,6 +72,10 @@ class SpikeEngine {
   /// membrane models), brought up to the current tick. Real-time safe.
   [[nodiscard]] double probe(NeuronId neuron, std::uint32_t column) const noexcept;
 
+  /// Weights in quanta, in the order of SpikeImage::weights, to be changed between ticks: what is due from the next
+  /// tick on is delivered with them. reset() brings the image's own back. Empty unless the image learns.
+  [[nodiscard]] std::span<std::int32_t> plastic_weights() noexcept;
+
   [[nodiscard]] const EngineCounters& counters() const noexcept;
 
  private:

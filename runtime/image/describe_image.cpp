@@ -14,10 +14,12 @@
 namespace tectum {
 namespace {
 
-constexpr std::array<const char*, kSectionKindCount + 1> kSectionNames = {
-    "",       "strings", "populations",  "groups",  "receptors", "parameters",   "columns",
-    "tables", "rows",    "segments",     "targets", "weights",   "projections",  "retinas",
-    "fields", "outputs", "output terms", "joints",  "programs",  "source spikes"};
+constexpr std::array<const char*, kSectionKindCount + kPlasticSectionKindCount + 1> kSectionNames = {
+    "",           "strings",          "populations", "groups",   "receptors",
+    "parameters", "columns",          "tables",      "rows",     "segments",
+    "targets",    "weights",          "projections", "retinas",  "fields",
+    "outputs",    "output terms",     "joints",      "programs", "source spikes",
+    "plasticity", "plastic synapses", "decays"};
 
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
   std::va_list arguments;
@@ -64,8 +66,8 @@ class Describer {
     // The first section is never empty of position: its span starts right after the section table.
     return reinterpret_cast<const char*>(image_.strings.data()) - first_section_bytes();
   }
-  static std::uint64_t first_section_bytes() {
-    const std::size_t table_end = sizeof(FileHeader) + kSectionKindCount * sizeof(SectionEntry);
+  std::uint64_t first_section_bytes() const {
+    const std::size_t table_end = sizeof(FileHeader) + image_.header.section_count * sizeof(SectionEntry);
     return (table_end + kSectionAlignBytes - 1) / kSectionAlignBytes * kSectionAlignBytes;
   }
 
@@ -116,6 +118,7 @@ class Describer {
   void senses();
   void actions();
   void source_spikes();
+  void plasticity();
 
   const SpikeImage& image_;
   const DescribeOptions& options_;
@@ -152,7 +155,7 @@ void Describer::header() {
               static_cast<double>(h.tick_ns) * 1e-6, static_cast<unsigned long long>(h.seed)));
   line(format("%17s    %u neurons, %u slots, %zu synapses, longest delay %u ticks", "", h.neuron_count, h.slot_count,
               image_.targets.size(), h.max_delay_ticks));
-  line(format("        64 %6zu  section table", kSectionKindCount * sizeof(SectionEntry)));
+  line(format("        64 %6zu  section table", std::size_t{h.section_count} * sizeof(SectionEntry)));
 }
 
 void Describer::strings() {
@@ -354,6 +357,30 @@ void Describer::source_spikes() {
   });
 }
 
+void Describer::plasticity() {
+  if (image_.plasticity.empty()) {
+    return;
+  }
+  section(SectionKind::Plasticity, image_.plasticity, [&](const PlasticityRecord& p, std::size_t i) {
+    record(p, format("plasticity %zu of projection %u %s: %s by reward %s, %u of %u synapses from %u, decays from %u, "
+                     "eta %g Hz, r0 %g Hz, %g to %g times the weight",
+                     i, p.projection, quoted(image_.projections[p.projection].name).c_str(),
+                     kPlasticityFormNames[static_cast<std::size_t>(p.form)],
+                     kRewardChannelNames[static_cast<std::size_t>(p.channel)], p.synapse_count, p.listed_count,
+                     p.first_synapse, p.first_decay, p.learning_rate_hz, p.reference_rate_hz,
+                     std::ldexp(p.lowest, -kScaleBits), std::ldexp(p.highest, -kScaleBits)));
+  });
+  section(SectionKind::PlasticSynapses, image_.plastic_synapses, [&](const PlasticSynapseRecord& s, std::size_t) {
+    record(s, format("target %u, from neuron %u to %u of its populations, declared as number %u: %d quanta times %.9g",
+                     s.target, s.pre, s.post, s.ordinal, s.base_quanta, std::ldexp(s.scale, -kScaleBits)));
+  });
+  constexpr std::array<const char*, kDecaysOfRule> kWhat = {"rate", "mean rate", "eligibility", "expected reward"};
+  section(SectionKind::Decays, image_.decays, [&](const double& decay, std::size_t i) {
+    record(decay, format("%.17g  what is left of a %s after 2^%zu ticks", decay,
+                         kWhat[i / kDecayPowers % kDecaysOfRule], i % kDecayPowers));
+  });
+}
+
 std::string Describer::describe() {
   header();
   strings();
@@ -370,6 +397,7 @@ std::string Describer::describe() {
   senses();
   actions();
   source_spikes();
+  plasticity();
   line(format("%10llu         end of file", static_cast<unsigned long long>(image_.header.file_bytes)));
   return std::move(text_);
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/image/plasticity.h"
 #include "runtime/image/spike_image.h"
 
 namespace tectum {
@@ -37,6 +38,10 @@ struct ImageContents {
   std::vector<JointRecord> joints;
   std::vector<std::uint32_t> programs;
   std::vector<std::uint32_t> source_spikes;
+  // Empty in an image that does not learn.
+  std::vector<PlasticityRecord> plasticity;
+  std::vector<PlasticSynapseRecord> plastic_synapses;
+  std::vector<double> decays;
 
   /// Appends `text` with its terminating NUL and returns its offset. Does not deduplicate.
   std::uint32_t add_string(std::string_view text);

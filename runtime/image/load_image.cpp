@@ -35,10 +35,11 @@ std::string read_header(std::span<const std::byte> file, FileHeader& header) {
   if (header.checksum != image_checksum(file)) {
     return "damaged: the checksum does not match";
   }
-  if (header.section_count != kSectionKindCount) {
-    return "section count is " + std::to_string(header.section_count) + ", not " + std::to_string(kSectionKindCount);
+  if (header.section_count != section_count(false) && header.section_count != section_count(true)) {
+    return "section count is " + std::to_string(header.section_count) + ", not " +
+           std::to_string(section_count(false)) + " or " + std::to_string(section_count(true));
   }
-  if (file.size() < sizeof(FileHeader) + kSectionKindCount * sizeof(SectionEntry)) {
+  if (file.size() < sizeof(FileHeader) + header.section_count * sizeof(SectionEntry)) {
     return "truncated: no room for the section table";
   }
   return {};
@@ -51,9 +52,9 @@ std::uint64_t align_up(std::uint64_t bytes) {
 // Maps each section. All sections are there, in order, each at the first aligned byte after the last.
 std::string map_sections(std::span<const std::byte> file, SpikeImage& image) {
   const std::byte* entry_at = file.data() + sizeof(FileHeader);
-  std::uint64_t end = sizeof(FileHeader) + kSectionKindCount * sizeof(SectionEntry);
+  std::uint64_t end = sizeof(FileHeader) + image.header.section_count * sizeof(SectionEntry);
   std::string error;
-  for_each_section(image, [&]<typename T>(SectionKind kind, std::span<const T>& array) {
+  const auto map_section = [&]<typename T>(SectionKind kind, std::span<const T>& array) {
     SectionEntry entry{};
     std::memcpy(&entry, entry_at, sizeof(entry));
     entry_at += sizeof(entry);
@@ -72,7 +73,14 @@ std::string map_sections(std::span<const std::byte> file, SpikeImage& image) {
       end = entry.offset_bytes + entry.count * sizeof(T);
       array = {reinterpret_cast<const T*>(file.data() + entry.offset_bytes), static_cast<std::size_t>(entry.count)};
     }
-  });
+  };
+  for_each_section(image, map_section);
+  if (image.header.section_count == section_count(true)) {
+    for_each_plastic_section(image, map_section);
+    if (error.empty() && image.plasticity.empty()) {
+      error = "sections for learning, and nothing that learns";
+    }
+  }
   return error;
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/image/plasticity.h"
 #include "runtime/image/spike_image.h"
 
 namespace tectum {
@@ -37,6 +38,9 @@ struct SpikeImage {
   std::span<const JointRecord> joints;
   std::span<const std::uint32_t> programs;
   std::span<const std::uint32_t> source_spikes;
+  std::span<const PlasticityRecord> plasticity;  // this and the next two: empty when it does not learn
+  std::span<const PlasticSynapseRecord> plastic_synapses;
+  std::span<const double> decays;
   std::shared_ptr<const void> storage;
 
   /// The NUL-terminated name at `offset`; empty for kNoString.

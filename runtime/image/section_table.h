@@ -34,4 +34,19 @@ void for_each_section(Arrays& arrays, Visit&& visit) {
 
 inline constexpr std::uint32_t kSectionKindCount = 19;
 
+/// The sections that only an image that learns has, after the others.
+template <typename Arrays, typename Visit>
+void for_each_plastic_section(Arrays& arrays, Visit&& visit) {
+  visit(SectionKind::Plasticity, arrays.plasticity);
+  visit(SectionKind::PlasticSynapses, arrays.plastic_synapses);
+  visit(SectionKind::Decays, arrays.decays);
+}
+
+inline constexpr std::uint32_t kPlasticSectionKindCount = 3;
+
+/// Sections of an image, by whether it learns.
+[[nodiscard]] constexpr std::uint32_t section_count(bool learns) {
+  return kSectionKindCount + (learns ? kPlasticSectionKindCount : 0);
+}
+
 }  // namespace tectum

@@ -20,6 +20,9 @@
 // receptor. The compiler picks the quantum so that the sum over all synapses onto a slot
 // stays below 2^30: a tick's input can never overflow, and integer sums do not depend on order.
 //
+// Weights that learn (runtime/image/plasticity.h): the image has three sections more, 20 to 22, and only then. The rows
+// of such synapses never share a weight with anything else, so that each can be written by itself.
+//
 // Version history
 //   1  first version
 #pragma once
@@ -61,6 +64,10 @@ enum class SectionKind : std::uint32_t {
   Joints = 17,        // JointRecord
   Programs = 18,      // u32 words of equation programs (language version 1: optional)
   SourceSpikes = 19,  // u32 pairs (tick, neuron of the group) for spike_list groups, ascending
+  // Only in an image that learns:
+  Plasticity = 20,       // PlasticityRecord
+  PlasticSynapses = 21,  // PlasticSynapseRecord, PlasticityRecord::first_synapse
+  Decays = 22,           // f64, PlasticityRecord::first_decay
 };
 
 struct FileHeader {

@@ -306,7 +306,8 @@ std::string verify_groups(const SpikeImage& image) {
 }  // namespace
 
 std::string verify_image(const SpikeImage& image) {
-  for (const auto check : {verify_header, verify_populations, verify_groups, verify_synapses, verify_ports}) {
+  for (const auto check :
+       {verify_header, verify_populations, verify_groups, verify_synapses, verify_plasticity, verify_ports}) {
     std::string error = check(image);
     if (!error.empty()) {
       return error;

@@ -9,6 +9,8 @@ namespace tectum {
 
 /// Rows, segments, targets, weights and projections. Needs: populations and groups checked.
 [[nodiscard]] std::string verify_synapses(const SpikeImage& image);
+/// What learns. Needs: populations, groups and synapses checked.
+[[nodiscard]] std::string verify_plasticity(const SpikeImage& image);
 /// Retinas, outputs, joints and programs. Needs: populations and groups checked.
 [[nodiscard]] std::string verify_ports(const SpikeImage& image);
 

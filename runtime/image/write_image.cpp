@@ -22,20 +22,27 @@ std::uint32_t ImageContents::add_string(std::string_view text) {
 }
 
 std::vector<std::byte> write_image(const ImageContents& contents) {
+  const bool learns = !contents.plasticity.empty();
+  const auto for_each = [&](const auto& visit) {
+    for_each_section(contents, visit);
+    if (learns) {
+      for_each_plastic_section(contents, visit);
+    }
+  };
   std::vector<SectionEntry> entries;
-  entries.reserve(kSectionKindCount);
-  std::size_t end = align_up(sizeof(FileHeader) + kSectionKindCount * sizeof(SectionEntry));
-  for_each_section(contents, [&](SectionKind kind, const auto& array) {
+  entries.reserve(section_count(learns));
+  std::size_t end = align_up(sizeof(FileHeader) + section_count(learns) * sizeof(SectionEntry));
+  for_each([&](SectionKind kind, const auto& array) {
     constexpr std::size_t element_bytes = sizeof(array[0]);
     entries.push_back({kind, static_cast<std::uint32_t>(element_bytes), end, array.size()});
     end = align_up(end + array.size() * element_bytes);
   });
-  assert(entries.size() == kSectionKindCount);
+  assert(entries.size() == section_count(learns));
 
   // The vector's zeroes are the padding between sections.
   std::vector<std::byte> file(end);
   std::size_t next = 0;
-  for_each_section(contents, [&](SectionKind, const auto& array) {
+  for_each([&](SectionKind, const auto& array) {
     const SectionEntry& entry = entries[next++];
     if (!array.empty()) {
       std::memcpy(file.data() + entry.offset_bytes, array.data(), array.size() * sizeof(array[0]));
@@ -46,7 +53,7 @@ std::vector<std::byte> write_image(const ImageContents& contents) {
   FileHeader header{};
   header.magic = kImageMagic;
   header.version = kImageVersion;
-  header.section_count = kSectionKindCount;
+  header.section_count = section_count(learns);
   header.file_bytes = file.size();
   header.tick_ns = contents.tick_ns;
   header.seed = contents.seed;

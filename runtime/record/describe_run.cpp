@@ -17,15 +17,19 @@ std::vector<std::byte> image_bytes(const SpikeImage& image) {
   contents.slot_count = image.header.slot_count;
   contents.max_delay_ticks = image.header.max_delay_ticks;
   std::vector<std::span<const std::byte>> sections;
-  for_each_section(image, [&](SectionKind, const auto& section) { sections.push_back(std::as_bytes(section)); });
+  const auto keep = [&](SectionKind, const auto& section) { sections.push_back(std::as_bytes(section)); };
+  for_each_section(image, keep);
+  for_each_plastic_section(image, keep);
   std::size_t next = 0;
-  for_each_section(contents, [&](SectionKind, auto& section) {
+  const auto fill = [&](SectionKind, auto& section) {
     const std::span<const std::byte> bytes = sections[next++];
     section.resize(bytes.size() / sizeof(section[0]));
     if (!bytes.empty()) {
       std::memcpy(section.data(), bytes.data(), bytes.size());
     }
-  });
+  };
+  for_each_section(contents, fill);
+  for_each_plastic_section(contents, fill);
   return write_image(contents);
 }
 

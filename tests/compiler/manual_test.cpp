@@ -16,6 +16,7 @@
 #include "compiler/expression/functions.h"
 #include "compiler/format/format_circuit.h"
 #include "compiler/optimise/optimise.h"
+#include "compiler/validate/plasticity_keys.h"
 #include "compiler/validate/rules.h"
 #include "runtime/image/models.h"
 
@@ -109,6 +110,24 @@ std::string rules() {
   return text;
 }
 
+std::string plasticity() {
+  std::string text = "| key | default | meaning |\n| --- | --- | --- |\n";
+  for (const PlasticityNumber& number : kPlasticityNumbers) {
+    text += fmt::format("| `{}` | {} | {} |\n", number.key,
+                        number.default_text == nullptr ? "required" : number.default_text, cell(number.about));
+  }
+  return text;
+}
+
+std::string rewards() {
+  std::string text =
+      "| reward | R = 1 - \\|x\\|, x from 0 in the middle of the retina to 1 at its edge |\n| --- | --- |\n";
+  for (std::size_t channel = 0; channel < kRewardChannelCount; ++channel) {
+    text += fmt::format("| `{}` | {} |\n", kRewardChannelNames[channel], kRewardChannelMeanings[channel]);
+  }
+  return text;
+}
+
 std::string codes() {
   std::string text = "| code | says | means |\n| --- | --- | --- |\n";
   for (std::size_t i = 0; i < code_count(); ++i) {
@@ -147,6 +166,8 @@ TEST_CASE("the manual's tables are those of the code") {
   text = with_table(text, "functions", functions());
   text = with_table(text, "models", models());
   text = with_table(text, "rules", rules());
+  text = with_table(text, "plasticity", plasticity());
+  text = with_table(text, "rewards", rewards());
   text = with_table(text, "codes", codes());
   text = with_table(text, "passes", passes());
   const char* update = getenv("UPDATE_GOLDEN");

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "compiler/validate/plasticity_keys.h"
+
 namespace tectum {
 namespace {
 
@@ -63,6 +65,9 @@ class Explanation {
         line("exception", fmt::format("{}: {} {}", exception.side.text, value.key.text, value.values.front().text),
              place(value.span));
       }
+    }
+    if (decl.plasticity) {
+      plasticity(*decl.plasticity, circuit_.projections[number]);
     }
     made(number);
     return std::move(text_);
@@ -205,6 +210,27 @@ class Explanation {
              pathway.name + "  " + place(pathway.name_span));
         is_first = false;
       }
+    }
+  }
+
+  void plasticity(const PlasticityDecl& decl, const Projection& projection) {
+    const Plasticity& made = *projection.plasticity;
+    line("learns", kPlasticityFormNames[static_cast<std::size_t>(made.form)],
+         decl.form ? place(decl.form->span) : "default");
+    for (const RewardUseDecl& use : decl.rewards) {
+      line("", fmt::format("reward{}{} {}", use.side.text.empty() ? "" : " ", use.side.text, use.channel.text),
+           place(use.channel.span));
+    }
+    for (const PlasticityNumber& number : kPlasticityNumbers) {
+      const KeyedValue* given = find_value(decl.numbers, number.key);
+      line("", fmt::format("{} = {}", number.key, format_quantity({made.*number.field, number.dimension})),
+           given == nullptr ? "default" : place(given->span));
+    }
+    line("", fmt::format("bounds {:g} to {:g} times the weight", made.lowest, made.highest),
+         decl.bounds.empty() ? "default" : place(decl.bounds_span));
+    for (const KeyedValue& learned : decl.learned) {
+      line("", fmt::format("{} learned factors of {}", learned.values.size(), learned.key.text),
+           place(learned.key.span));
     }
   }
 

@@ -32,6 +32,8 @@ ControlLoop::ControlLoop(const SpikeImage& image, const LoopPorts& ports, const 
       sink_(sink),
       tick_ns_(static_cast<TimeNs>(image.header.tick_ns)),
       engine_(image, options.engine),
+      learner_(options.learns ? std::make_optional<Learner>(image) : std::nullopt),
+      reward_(image),
       decoder_(image),
       guard_(image, options.guard) {
   std::array<std::uint32_t, kEyeCount> field_count{};
@@ -59,6 +61,7 @@ LoopStatus ControlLoop::turn() noexcept {
   stage_times_.read_ns = stopwatch.lap_ns();
   encode(now_ns);
   stage_times_.encode_ns = stopwatch.lap_ns();
+  learn();
   step();
   stage_times_.step_ns = stopwatch.lap_ns();
   decode(now_ns);
@@ -182,6 +185,12 @@ void ControlLoop::drive(Sheet& sheet, std::span<const std::uint32_t> active) noe
   sheet.was_active.assign(active.begin(), active.end());
 }
 
+void ControlLoop::learn() noexcept {
+  if (learner_) {
+    learner_->take_reward(engine_.tick(), reward_.sample(frame_.active_fields), engine_.plastic_weights());
+  }
+}
+
 void ControlLoop::step() noexcept {
   const auto turn = static_cast<TimeNs>(counters_.turns);
   const auto end = static_cast<std::uint64_t>((turn + 1) * options_.frame_period_ns / tick_ns_);
@@ -190,6 +199,9 @@ void ControlLoop::step() noexcept {
     const std::uint64_t tick = engine_.tick();
     engine_.step();
     decoder_.tick(engine_.spikes());
+    if (learner_) {
+      learner_->take_spikes(engine_.spikes());
+    }
     if (sink_ != nullptr) {
       sink_->take(tick, engine_.spikes());
     }

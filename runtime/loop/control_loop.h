@@ -9,6 +9,9 @@
 // Turns start on an absolute schedule, start + k * period. A turn that is late by a whole period or more is counted,
 // and the periods that it slept through are skipped; their ticks are never caught up.
 //
+// A loop that learns takes the reward off the frame that it has just encoded, before the turn's first tick: it is the
+// newest that is known, and as late as the pictures are.
+//
 // A camera without a new frame leaves its eye's fields as they were. Once its newest frame is older than the guard's
 // hold_after_ns the eye sees nothing, so that a picture from the past does not go on driving the circuit while the
 // guard holds the head. One eye alone is enough to track.
@@ -17,11 +20,14 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "runtime/act/decoder.h"
 #include "runtime/act/servo_guard.h"
 #include "runtime/engine/spike_engine.h"
+#include "runtime/learn/learner.h"
+#include "runtime/learn/retinal_reward.h"
 #include "runtime/loop/spike_sink.h"
 #include "runtime/ports/camera.h"
 #include "runtime/ports/clock.h"
@@ -42,6 +48,7 @@ struct LoopPorts {
 struct LoopOptions {
   TimeNs frame_period_ns = 22'222'222;  // 45 Hz, the rate of the 2020 head
   bool one_camera_both_eyes = false;    // without a right camera, the left one's frames go to both eyes
+  bool learns = false;                  // weights change as the circuit declares (runtime/image/plasticity.h)
   bool measure_latency = false;         // reads the processor's clock; a virtual run leaves it off to be reproducible
   EngineOptions engine;
   GuardOptions guard;
@@ -84,6 +91,8 @@ class ControlLoop {
   void resume() noexcept;
 
   [[nodiscard]] SpikeEngine& engine() noexcept { return engine_; }
+  /// Null unless LoopOptions::learns.
+  [[nodiscard]] const Learner* learner() const noexcept { return learner_ ? &*learner_ : nullptr; }
   [[nodiscard]] const ServoGuard& guard() const noexcept { return guard_; }
   [[nodiscard]] const LoopCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const StageTimes& stage_times() const noexcept { return stage_times_; }
@@ -111,6 +120,7 @@ class ControlLoop {
   void encode(TimeNs now_ns) noexcept;
   void prepare_eye(std::size_t eye_index) noexcept;
   void drive(Sheet& sheet, std::span<const std::uint32_t> active) noexcept;
+  void learn() noexcept;
   void step() noexcept;
   void decode(TimeNs now_ns) noexcept;
   void write() noexcept;
@@ -120,6 +130,8 @@ class ControlLoop {
   SpikeSink* sink_;
   TimeNs tick_ns_;
   SpikeEngine engine_;
+  std::optional<Learner> learner_;
+  RetinalReward reward_;
   Decoder decoder_;
   ServoGuard guard_;
   std::vector<Sheet> sheets_;

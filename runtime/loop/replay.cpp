@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "runtime/act/decoder.h"
 #include "runtime/act/servo_guard.h"
+#include "runtime/learn/learner.h"
+#include "runtime/learn/retinal_reward.h"
 #include "runtime/record/recording_file.h"
 
 namespace tectum {
@@ -33,6 +36,8 @@ class Replay {
       : recording_(recording),
         options_(options),
         engine_(image, options.engine),
+        learner_(recording.learns ? std::make_optional<Learner>(image) : std::nullopt),
+        reward_(image),
         decoder_(image),
         guard_(image, guard_options(recording.guard)) {
     for (std::size_t e = 0; e < kEyeCount; ++e) {
@@ -54,6 +59,9 @@ class Replay {
       if (options_.progress && k % 16 == 0) {
         options_.progress(static_cast<double>(k) / static_cast<double>(recording_.frames.size()));
       }
+    }
+    for (std::size_t s = 0; learner_ && s < learner_->scales().size(); ++s) {
+      result_.learned += learner_->scales()[s] == learner_->initial_scale(s) ? 0 : 1;
     }
     return result_;
   }
@@ -82,6 +90,9 @@ class Replay {
         return fail(k, "lights a field that the circuit does not have");
       }
     }
+    if (learner_) {
+      learner_->take_reward(engine_.tick(), reward_.sample(frame.active_fields), engine_.plastic_weights());
+    }
     const auto turn_count = static_cast<TimeNs>(k) + 1;
     const auto end =
         static_cast<std::uint64_t>(turn_count * recording_.frame_period_ns / static_cast<TimeNs>(recording_.tick_ns));
@@ -89,6 +100,9 @@ class Replay {
       const std::uint64_t tick = engine_.tick();
       engine_.step();
       decoder_.tick(engine_.spikes());
+      if (learner_) {
+        learner_->take_spikes(engine_.spikes());
+      }
       compare_spikes(k, tick);
     }
     compare_command(k, frame);
@@ -170,6 +184,8 @@ class Replay {
   const Recording& recording_;
   const ReplayOptions& options_;
   SpikeEngine engine_;
+  std::optional<Learner> learner_;
+  RetinalReward reward_;
   Decoder decoder_;
   ServoGuard guard_;
   std::array<std::vector<NeuronId>, kEyeCount> neuron_of_field_;

@@ -2,7 +2,7 @@
 //
 // The input is what RecordedFrame keeps: the active fields of each turn, and what the guard was told. The ticks of a
 // turn follow from the turns' own first ticks, so that a recording that a killed process left is replayed up to its
-// last whole frame.
+// last whole frame. Weights that learned while it ran learn again, by the rewards of the same fields.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +28,7 @@ struct ReplayResult {
   std::uint64_t frames = 0;
   std::uint64_t spikes = 0;    // of the replay
   std::uint64_t commands = 0;  // frames that sent one
+  std::uint64_t learned = 0;   // weights that have changed
   bool is_same = false;
   std::string difference;  // the first, one line
 };

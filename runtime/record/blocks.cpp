@@ -3,7 +3,7 @@
 namespace tectum {
 namespace {
 
-constexpr std::string_view kDescription = R"(Tectum recording, version 2. Little-endian; u8 u32 u64 i64 f64 are numbers.
+constexpr std::string_view kDescription = R"(Tectum recording, version 3. Little-endian; u8 u32 u64 i64 f64 are numbers.
 text = u32 bytes, UTF-8. list<T> = u32 count, T...
 File: 8 bytes magic, u32 version, u32 zero, blocks.
 Block: u32 kind, u32 payload bytes, u64 checksum, payload.
@@ -14,6 +14,7 @@ Kind 2, Run:
   text circuit_name, text scenario, u64 seed, u64 image_checksum, u64 tick_ns, i64 frame_period_ns, f64 wall_distance_m
   guard: 6 x f64 neutral_deg, f64 approach_speed_deg_s, f64 ease_speed_deg_s,
          i64 hold_after_ns, ease_after_ns, servo_lost_after_ns, max_step_ns
+  u8 learns: weights changed while it ran
   list<population>: text name, text nucleus, u32 first_neuron, u32 size
   list<retina>: text name, u32 eye (0 left, 1 right), f64 field_of_view_deg, u32 frame_width, u32 frame_height
                 (reference pixels), list<field>: 4 x f32 x0 y0 x1 y1, half-open, reference pixels, y down
@@ -141,6 +142,7 @@ void put_run(const Recording& run, BlockWriter& out) {
   out.put_all(guard.neutral_deg);
   out.put_all(std::array{guard.approach_speed_deg_s, guard.ease_speed_deg_s});
   out.put_all(std::array{guard.hold_after_ns, guard.ease_after_ns, guard.servo_lost_after_ns, guard.max_step_ns});
+  out.put(static_cast<std::uint8_t>(run.learns ? 1 : 0));
   out.put(static_cast<std::uint32_t>(run.populations.size()));
   for (const RecordedPopulation& population : run.populations) {
     out.put_text(population.name);
@@ -178,6 +180,9 @@ bool get_run(BlockReader& in, Recording& out) {
   for (TimeNs* time : {&guard.hold_after_ns, &guard.ease_after_ns, &guard.servo_lost_after_ns, &guard.max_step_ns}) {
     in.get(*time);
   }
+  std::uint8_t learns = 0;
+  in.get(learns);
+  out.learns = learns != 0;
   out.populations.resize(in.get_count(4 * sizeof(std::uint32_t)));
   for (RecordedPopulation& population : out.populations) {
     in.get_text(population.name);

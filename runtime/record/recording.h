@@ -88,6 +88,7 @@ struct Recording {
   double duration_s = 0;
   double wall_distance_m = 0;
   RecordedGuard guard;
+  bool learns = false;           // weights changed while it ran
   std::vector<std::byte> image;  // the image file that ran, or nothing
   std::vector<RecordedPopulation> populations;
   std::vector<RecordedRetina> retinas;

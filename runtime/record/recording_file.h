@@ -18,6 +18,7 @@
 // Version history
 //   1  first version
 //   2  what the guard saw and did, loop timing, the image, positions between frames
+//   3  whether weights learned
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,7 @@
 
 namespace tectum {
 
-inline constexpr std::uint32_t kRecordingVersion = 2;
+inline constexpr std::uint32_t kRecordingVersion = 3;
 
 /// What a recording says of its image: names, populations, retinas, tick, seed, its bytes. No frames or spikes yet.
 [[nodiscard]] Recording describe_run(const SpikeImage& image);

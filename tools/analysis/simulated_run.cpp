@@ -96,6 +96,7 @@ Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions&
   LoopOptions loop_options;
   loop_options.frame_period_ns = options.head.frame_period_ns;
   loop_options.engine = options.engine;
+  loop_options.learns = options.learns;
   SamplingClock clock(head, options.sample_rate_hz, recorder.recording().positions);
   ControlLoop loop(image, {.left = &left, .right = &right, .servos = head, .clock = clock}, loop_options,
                    options.keeps_spikes ? &recorder : nullptr);
@@ -118,7 +119,12 @@ Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions&
     }
   }
 
+  if (observer.learned && loop.learner() != nullptr) {
+    observer.learned(loop.learner()->scales());
+  }
+
   Recording& recording = recorder.recording();
+  recording.learns = options.learns;
   recording.scenario = scenario_name(options.head.scenario.kind);
   recording.seed = options.head.seed;
   recording.frame_period_ns = options.head.frame_period_ns;

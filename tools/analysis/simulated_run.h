@@ -1,7 +1,9 @@
 // A circuit in the simulated head, in virtual time.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
 
 #include "drivers/head/sim_head.h"
 #include "runtime/image/load_image.h"
@@ -14,6 +16,7 @@ struct SimulatedRunOptions {
   SimHeadParams head;
   double duration_s = 60;
   double sample_rate_hz = 0;  // of the shafts between the frames, into Recording::positions; 0: not sampled
+  bool learns = false;        // weights change as the circuit declares
   bool keeps_spikes = true;   // off: a long run that only the eyes are wanted of
   EngineOptions engine;
 };
@@ -29,6 +32,8 @@ void add_truth(const HeadTruth& truth, RecordedFrame& frame);
 struct RunObserver {
   std::function<void(double done)> progress;
   std::function<void(const Frame& left, const Frame& right)> pictures;  // only with frames in hand
+  /// At the end of a run that learns: the factor of each plastic synapse, in 2^-kScaleBits.
+  std::function<void(std::span<const std::int32_t> scales)> learned = {};
 };
 
 /// Runs for duration_s of virtual time. Deterministic in its arguments.

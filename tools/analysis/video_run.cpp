@@ -47,6 +47,7 @@ VideoRun run_on_video(const SpikeImage& image, const VideoRunOptions& options, c
   LoopOptions loop_options;
   loop_options.frame_period_ns = static_cast<TimeNs>(std::llround(1e9 / rate_hz));
   loop_options.engine = options.engine;
+  loop_options.learns = options.learns;
   ControlLoop loop(image,
                    {.left = &sources.front()->view(Eye::Left),
                     .right = &sources.back()->view(Eye::Right),
@@ -66,7 +67,11 @@ VideoRun run_on_video(const SpikeImage& image, const VideoRunOptions& options, c
     }
   }
 
+  if (observer.learned && loop.learner() != nullptr) {
+    observer.learned(loop.learner()->scales());
+  }
   Recording& recording = recorder.recording();
+  recording.learns = options.learns;
   recording.scenario = joined(options.files);
   recording.frame_period_ns = loop_options.frame_period_ns;
   recording.duration_s =

@@ -15,6 +15,7 @@ struct VideoRunOptions {
   std::vector<std::string> files;  // one for both eyes, or left and right
   double frame_rate_hz = 0;        // 0: the first file's own
   double duration_s = 0;           // 0: to the end of the shorter file
+  bool learns = false;             // weights change as the circuit declares
   EngineOptions engine;
 };
 

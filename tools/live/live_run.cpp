@@ -40,6 +40,7 @@ class LiveLoop {
     loop.frame_period_ns = options.frame_period_ns;
     loop.one_camera_both_eyes = head.eye(Eye::Right) == nullptr;
     loop.measure_latency = true;
+    loop.learns = options.learns;
     loop.engine = options.engine;
     loop.guard = options.guard;
     return loop;
@@ -80,6 +81,7 @@ std::string LiveLoop::start_recorder() {
   describe_guard(options_.guard, run);
   run.scenario = options_.scenario;
   run.seed = options_.seed;
+  run.learns = options_.learns;
   run.frame_period_ns = options_.frame_period_ns;
   run.wall_distance_m = head_.file().geometry.wall_distance_m;
   RecorderOptions recorder;
@@ -248,6 +250,9 @@ LiveRun LiveLoop::run(const std::function<void(const LiveGlimpse&)>& watch,
   result_.error = record_error;
   result_.recording = std::move(recorder_.recording());
   result_.recording.duration_s = duration_s;
+  if (loop_.learner() != nullptr) {
+    result_.learned_scales.assign(loop_.learner()->scales().begin(), loop_.learner()->scales().end());
+  }
   result_.figures.guard = loop_.guard().counters();
   result_.figures.head = head_.servos().report();
   result_.figures.frame_to_last_byte = head_.servos().issue_latency();

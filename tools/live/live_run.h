@@ -18,6 +18,7 @@ struct LiveRunOptions {
   TimeNs frame_period_ns = 22'222'222;
   std::string record_path;  // of the recording; empty for none
   bool keeps_recording = true;
+  bool learns = false;     // weights change as the circuit declares
   std::string scenario;    // for the recording
   std::uint64_t seed = 0;  // same
   RealTimeOptions real_time;
@@ -63,6 +64,7 @@ struct LiveRun {
   std::string error;  // one line: why there was no run, or why it ended early
   Recording recording;
   LiveFigures figures;
+  std::vector<std::int32_t> learned_scales;  // of each plastic synapse, in 2^-kScaleBits; of a run that learns
   std::vector<LiveEvent> events;
   bool is_parked = false;
 };

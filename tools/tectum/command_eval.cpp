@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tools/evaluate/evaluation_text.h"
+#include "tools/evaluate/learning_evaluation.h"
 #include "tools/evaluate/physiology.h"
 #include "tools/evaluate/protocol.h"
 #include "tools/evaluate/tracking_evaluation.h"
@@ -82,6 +83,12 @@ void run(const EvalArguments& arguments, CommandContext& context) {
   if (!image) {
     return;
   }
+  if (protocol->kind == ProtocolKind::Learning && image->plasticity.empty()) {
+    context.err << fmt::format("tectum: nothing in {} learns: no projection has `plasticity`\n",
+                               arguments.circuit.path);
+    context.exit_status = kExitFailed;
+    return;
+  }
   Progress progress(context.err,
                     fmt::format("{} {}", arguments.tunes_pid ? "tuning for" : "evaluating", protocol->name));
   const auto watch = [&](double done) { progress.update(done); };
@@ -95,6 +102,12 @@ void run(const EvalArguments& arguments, CommandContext& context) {
     const std::vector<Yardstick> yardsticks = physiology(*image, *protocol, arguments.threads, watch);
     context.out << (is_json ? physiology_json(*protocol, name, yardsticks) + '\n'
                             : physiology_text(*protocol, yardsticks));
+    return;
+  }
+  if (protocol->kind == ProtocolKind::Learning) {
+    const std::string name(image->name(image->header.circuit_name));
+    const std::vector<LearningResult> results = evaluate_learning(*image, *protocol, arguments.threads, watch);
+    context.out << (is_json ? learning_json(*protocol, name, results) + '\n' : learning_text(*protocol, results));
     return;
   }
   const TrackingEvaluation evaluation = evaluate_tracking(*image, *protocol, arguments.threads, watch);

@@ -71,6 +71,9 @@ void replay_file(const ReplayArguments& arguments, CommandContext& context) {
                                    {"turns", result.frames},
                                    {"spikes", result.spikes},
                                    {"commands", result.commands}};
+    if (read.recording.learns) {
+      json["weights_learned"] = result.learned;
+    }
     if (!result.is_same) {
       json["first_difference"] = result.difference;
     }
@@ -80,8 +83,10 @@ void replay_file(const ReplayArguments& arguments, CommandContext& context) {
   if (result.is_other_circuit) {
     context.out << "the circuit, its seed or the compiler is another than the recording's\n";
   }
-  context.out << (result.is_same ? fmt::format("the same, bit for bit: {} turns, {} spikes, {} commands\n",
-                                               result.frames, result.spikes, result.commands)
+  const std::string learned =
+      read.recording.learns ? fmt::format(", {} weights learned", result.learned) : std::string();
+  context.out << (result.is_same ? fmt::format("the same, bit for bit: {} turns, {} spikes, {} commands{}\n",
+                                               result.frames, result.spikes, result.commands, learned)
                                  : fmt::format("not the same from {}\n", result.difference));
 }
 

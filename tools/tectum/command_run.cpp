@@ -16,6 +16,7 @@
 #include "tools/analysis/video_run.h"
 #include "tools/report/run_report.h"
 #include "tools/report/run_text.h"
+#include "tools/tectum/learned_overlay.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/progress.h"
 #include "tools/tectum/run_on_head.h"
@@ -40,7 +41,8 @@ struct RunArguments {
   std::string dot;
   double sample_rate_hz = 0;
   std::size_t lines = 40;
-  std::string record_folder, report_path, picture_path, render_path;
+  std::string record_folder, report_path, picture_path, render_path, weights_path;
+  bool learns = false;
   HeadArguments head;
 };
 
@@ -97,6 +99,11 @@ void add_output_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--picture", arguments.picture_path, "write one summary figure as SVG")->type_name("FILE");
   command.add_option("--render", arguments.render_path, "write what the simulated cameras see as video")
       ->type_name("FILE");
+  command.add_flag("--learn", arguments.learns, "let weights change while it runs, where the circuit has `plasticity`");
+  command
+      .add_option("--save-weights", arguments.weights_path,
+                  "with --learn: write what was learned as a small circuit file that extends this one")
+      ->type_name("FILE");
   command.add_option("--lines", arguments.lines, "most lines to print of a video run; 0 prints every frame")
       ->capture_default_str()
       ->type_name("N");
@@ -107,6 +114,8 @@ void add_output_options(CLI::App& command, RunArguments& arguments) {
       "  tectum run circuits/oculomotor.json --video left.avi right.avi --record out/recording\n"
       "  tectum run circuits/oculomotor.json --head circuits/heads/emulated.json     in real time, over a serial port\n"
       "  tectum run circuits/oculomotor.json --noise 8 --clutter --render out/eyes.mp4\n"
+      "  tectum run circuits/oculomotor_learning.json --learn --save-weights out/learned.json     then: tectum run "
+      "out/learned.json\n"
       "  tectum run circuits/oculomotor.json --lesion OPN --format json    what is lost without the omnipause "
       "neurons\n");
 }
@@ -116,6 +125,7 @@ SimulatedRunOptions simulation_of(const SpikeImage& image, const RunArguments& a
   options.head = fitted_to(image, options.head);
   options.duration_s = arguments.duration_s > 0 ? arguments.duration_s : kDefaultDurationS;
   options.sample_rate_hz = arguments.sample_rate_hz;
+  options.learns = arguments.learns;
   SimHeadParams& head = options.head;
   head.seed = arguments.seed;
   const double rate_hz = arguments.frame_rate_hz > 0 ? arguments.frame_rate_hz : kDefaultFrameRateHz;
@@ -186,11 +196,15 @@ class RenderedVideo {
   std::string error_;
 };
 
-std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
+using Scales = std::vector<std::int32_t>;
+
+std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& arguments, CommandContext& context,
+                                  Scales& learned) {
   const SimulatedRunOptions options = simulation_of(image, arguments);
   Progress progress(context.err, fmt::format("running {}", image.name(image.header.circuit_name)));
   RunObserver observer;
   observer.progress = [&](double done) { progress.update(done); };
+  observer.learned = [&](std::span<const std::int32_t> scales) { learned.assign(scales.begin(), scales.end()); };
   std::optional<RenderedVideo> video;
   if (!arguments.render_path.empty()) {
     video.emplace(arguments.render_path, 1e9 / static_cast<double>(options.head.frame_period_ns));
@@ -208,7 +222,8 @@ std::optional<Recording> run_head(const SpikeImage& image, const RunArguments& a
   return recording;
 }
 
-std::optional<Recording> run_video(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
+std::optional<Recording> run_video(const SpikeImage& image, const RunArguments& arguments, CommandContext& context,
+                                   Scales& learned) {
   if (image.retinas.empty()) {
     context.err << fmt::format("tectum: {} has no retina, so there is nothing to show the video to\n",
                                arguments.circuit.path);
@@ -218,10 +233,12 @@ std::optional<Recording> run_video(const SpikeImage& image, const RunArguments& 
   Progress progress(context.err, "running on video");
   RunObserver observer;
   observer.progress = [&](double done) { progress.update(done); };
+  observer.learned = [&](std::span<const std::int32_t> scales) { learned.assign(scales.begin(), scales.end()); };
   VideoRun run = run_on_video(image,
                               {.files = arguments.video,
                                .frame_rate_hz = arguments.frame_rate_hz,
                                .duration_s = arguments.duration_s,
+                               .learns = arguments.learns,
                                .engine = {}},
                               observer);
   if (!run.error.empty()) {
@@ -273,6 +290,23 @@ std::optional<Recording> run_real_time(const SpikeImage& image, const RunArgumen
   return run_on_head(image, request, context, figures);
 }
 
+bool can_learn(const SpikeImage& image, const RunArguments& arguments, CommandContext& context) {
+  if (!arguments.weights_path.empty() && !arguments.learns) {
+    context.err << "tectum: --save-weights writes what --learn has learned, and --learn is not given\n";
+    context.exit_status = kExitUsage;
+  } else if (!arguments.weights_path.empty() && is_image_file(arguments.circuit.path)) {
+    context.err << "tectum: --save-weights extends a circuit file, and this is an image\n";
+    context.exit_status = kExitUsage;
+  } else if (arguments.learns && image.plasticity.empty()) {
+    context.err << fmt::format("tectum: nothing in {} learns: no projection has `plasticity`\n",
+                               arguments.circuit.path);
+    context.exit_status = kExitFailed;
+  } else {
+    return true;
+  }
+  return false;
+}
+
 void run(const RunArguments& arguments, CommandContext& context) {
   const bool is_video = !arguments.video.empty();
   if (is_video && !arguments.render_path.empty()) {
@@ -290,11 +324,15 @@ void run(const RunArguments& arguments, CommandContext& context) {
   if (!image) {
     return;
   }
+  if (!can_learn(*image, arguments, context)) {
+    return;
+  }
   const auto begin = std::chrono::steady_clock::now();
   HeadFigures figures;
+  Scales& learned = figures.learned_scales;
   const std::optional<Recording> recording = is_head    ? run_real_time(*image, arguments, context, figures)
-                                             : is_video ? run_video(*image, arguments, context)
-                                                        : run_head(*image, arguments, context);
+                                             : is_video ? run_video(*image, arguments, context, learned)
+                                                        : run_head(*image, arguments, context, learned);
   if (!recording) {
     return;
   }
@@ -314,6 +352,9 @@ void run(const RunArguments& arguments, CommandContext& context) {
       context.out << video_text(*recording, arguments.lines);
     }
     context.out << run_table_text(summary);
+    if (arguments.learns) {
+      context.out << '\n' << learned_text(*image, learned);
+    }
     if (is_head) {
       context.out << '\n' << figures.text;
     } else {
@@ -322,6 +363,13 @@ void run(const RunArguments& arguments, CommandContext& context) {
     }
   }
   write_files(*recording, arguments, times_real_time, context);
+  if (!arguments.weights_path.empty() &&
+      write_text(arguments.weights_path,
+                 learned_overlay(*image, learned, arguments.circuit.path, arguments.weights_path), context)) {
+    context.err << fmt::format("weights: {}   (a circuit: `tectum run {}`, `tectum diff {} {}`)\n",
+                               arguments.weights_path, arguments.weights_path, arguments.circuit.path,
+                               arguments.weights_path);
+  }
 }
 
 }  // namespace

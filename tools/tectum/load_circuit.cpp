@@ -12,18 +12,18 @@
 namespace tectum {
 namespace {
 
+std::string count_text(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
 bool is_image_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 64> head{};
   file.read(head.data(), head.size());
   return looks_like_image(std::as_bytes(std::span(head).first(static_cast<std::size_t>(file.gcount()))));
 }
-
-std::string count_text(std::size_t count, const char* noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
-}  // namespace
 
 void add_circuit_arguments(CLI::App& command, CircuitArguments& arguments, CircuitKinds kinds) {
   const char* what = kinds == CircuitKinds::FileOrImage ? "circuit file (JSON), or an image that was compiled before"

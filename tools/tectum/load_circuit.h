@@ -41,6 +41,9 @@ struct Compilation {
 /// Diagnostics as text, and how many there are, to the error stream.
 void print_diagnostics(const Compilation& compilation, CommandContext& context);
 
+/// Does the file begin as an image does?
+[[nodiscard]] bool is_image_file(const std::string& path);
+
 enum class WarningPolicy { Print, Quiet };
 
 /// Compiles the circuit file, or loads the file when it is an image. Prints what is wrong and sets the exit status

@@ -167,6 +167,7 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
   options.record_path = request.record_path;
   options.scenario = head->emulated() != nullptr ? scenario_name(simulation.scenario.kind) : "head";
   options.seed = simulation.seed;
+  options.learns = request.simulation.learns;
   options.guard.neutral_deg = file->neutral_deg;
   options.real_time.fifo_priority = request.head.is_real_time ? kLoopPriority : 0;
   options.real_time.locks_memory = request.head.is_real_time;
@@ -205,6 +206,7 @@ std::optional<Recording> run_on_head(const SpikeImage& image, const HeadRunReque
       return std::nullopt;
     }
   }
+  figures.learned_scales = std::move(run.learned_scales);
   figures.text = live_figures_text(run);
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(live_figures_json(run));
   if (head->emulated() != nullptr && !run.recording.frames.empty()) {

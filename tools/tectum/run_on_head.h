@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "runtime/image/load_image.h"
 #include "runtime/record/recording.h"
@@ -31,7 +32,8 @@ struct HeadRunRequest {
 /// Deadlines, latencies and bus, with tracking beside virtual time for an emulated head.
 struct HeadFigures {
   std::string text;
-  std::string json;  // one object
+  std::string json;                          // one object
+  std::vector<std::int32_t> learned_scales;  // of a run that learns
 };
 
 /// Prints what happens to the error stream, and fills `figures`. Nothing when there was no run; that has been said and

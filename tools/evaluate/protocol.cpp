@@ -44,6 +44,7 @@ class ProtocolReader {
   void read_pid(JsonId id);
   void read_tuning(JsonId id);
   void read_published(JsonId id);
+  void read_learning(JsonId id);
 
   const JsonTree& tree_;
   Scope scope_;
@@ -203,6 +204,15 @@ void ProtocolReader::read_published(JsonId id) {
   in.finish();
 }
 
+void ProtocolReader::read_learning(JsonId id) {
+  ObjectReader in(tree_, id, "`learning`", diagnostics());
+  LearningPlan& plan = protocol_.learning;
+  plan.perturbed = numbers(in, "perturbed", kNumber, {0, 0.9}, plan.perturbed);
+  plan.duration_s = kSPerMs * number(in, "duration", kTime, {100, 1e7}, plan.duration_s / kSPerMs);
+  plan.first_seed = static_cast<std::uint64_t>(whole(in, "first_seed", {0, 1e9}, 2000));
+  in.finish();
+}
+
 void ProtocolReader::read_trials(ObjectReader& in) {
   Protocol& protocol = protocol_;
   protocol.wall_distance_m = number(in, "wall_distance", kLength, {0.1, 10}, protocol.wall_distance_m);
@@ -230,13 +240,14 @@ Protocol ProtocolReader::read() {
   (void)whole(in, "tectum_protocol", {kProtocolVersion, kProtocolVersion}, kProtocolVersion);
   protocol_.name = in.text("name");
   protocol_.about = in.text("about");
-  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind", {"tracking", "physiology"}));
+  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind", {"tracking", "physiology", "learning"}));
   read_trials(in);
   using Read = void (ProtocolReader::*)(JsonId);
   for (const auto& [key, read] : {std::pair<const char*, Read>{"target", &ProtocolReader::read_target},
                                   {"pid", &ProtocolReader::read_pid},
                                   {"pid_tuning", &ProtocolReader::read_tuning},
-                                  {"published", &ProtocolReader::read_published}}) {
+                                  {"published", &ProtocolReader::read_published},
+                                  {"learning", &ProtocolReader::read_learning}}) {
     const JsonId id = in.child(key);
     if (id != JsonId::None) {
       (this->*read)(id);
@@ -253,7 +264,7 @@ Protocol ProtocolReader::read() {
 
 std::vector<Setting> settings_of(const Protocol& protocol) {
   std::vector<Setting> settings;
-  const bool has_holds = protocol.kind == ProtocolKind::Tracking && protocol.scenario.kind == ScenarioKind::Random;
+  const bool has_holds = protocol.kind != ProtocolKind::Physiology && protocol.scenario.kind == ScenarioKind::Random;
   for (const std::uint32_t latency : protocol.camera_latency_frames) {
     for (const double hold_s : has_holds ? protocol.hold_s : std::vector<double>{0}) {
       settings.push_back({hold_s, latency});

@@ -45,7 +45,14 @@ struct Setting {
   std::uint32_t camera_latency_frames = 1;
 };
 
-enum class ProtocolKind { Tracking, Physiology };
+/// How a circuit that learns is tried.
+struct LearningPlan {
+  std::vector<double> perturbed = {0};  // starts: weights onto each side of a population off by these
+  double duration_s = 120;              // of the training before the trials of what was learned
+  std::uint64_t first_seed = 2000;      // of the training
+};
+
+enum class ProtocolKind { Tracking, Physiology, Learning };
 
 struct Protocol {
   std::string name;
@@ -62,6 +69,7 @@ struct Protocol {
   std::vector<std::uint32_t> camera_latency_frames = {1};
   std::vector<TunedPid> pid;
   PidTuning tuning;
+  LearningPlan learning;
   std::string published_by;
   std::vector<PublishedRow> published;
 };

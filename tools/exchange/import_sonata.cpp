@@ -39,7 +39,7 @@ class SonataImport {
     has_own_tick_ = options.tick_ms.has_value();
   }
 
-  std::optional<ImportedCircuit> run() {
+  std::optional<ForeignCircuit> run() {
     auto nodes = read_sonata_nodes(config_, made_.tick_ms, error_);
     if (!nodes) {
       return std::nullopt;
@@ -143,7 +143,7 @@ class SonataImport {
     }
     for (std::uint32_t c = 0; c < nodes_.cells.size(); ++c) {
       if (taken.count(c) == 0) {
-        ImportedPopulation population = population_of(nodes_.cells[c]);
+        ForeignPopulation population = population_of(nodes_.cells[c]);
         population.name = circuit_name_of(population.name);
         nodes_.cells[c].name = population.name;
         population.sides.push_back({{}, nodes_.cells[c].parameters});
@@ -153,8 +153,8 @@ class SonataImport {
     return true;
   }
 
-  ImportedPopulation population_of(const SonataCells& cells) {
-    ImportedPopulation population;
+  ForeignPopulation population_of(const SonataCells& cells) {
+    ForeignPopulation population;
     population.name = cells.name;
     population.model = cells.model;
     population.receptors = cells.receptors;
@@ -173,7 +173,7 @@ class SonataImport {
     if (!knows_axes) {
       return fail(fmt::format("tectum.json: `{}` lies on an axis that is not declared there", base));
     }
-    std::optional<ImportedPopulation> made;
+    std::optional<ForeignPopulation> made;
     for (const std::vector<std::string>& sides : side_combinations(axes)) {
       const std::string name = sides.empty() ? base : fmt::format("{}.{}", base, fmt::join(sides, "."));
       const auto found = std::find_if(nodes_.cells.begin(), nodes_.cells.end(),
@@ -421,7 +421,7 @@ class SonataImport {
     if (target.receptors.empty()) {
       return fail(fmt::format("{}: `{}` leads to `{}`, which takes no synapses", file.data, edges.name, target.name));
     }
-    ImportedProjection* projection = projection_for(edges, type, pre.cells, post.cells, native < 0);
+    ForeignProjection* projection = projection_for(edges, type, pre.cells, post.cells, native < 0);
     if (projection == nullptr) {
       return fail(fmt::format("{}: edge {} of `{}` goes to a receptor that `{}` does not have", file.data, e,
                               edges.name, target.name));
@@ -436,8 +436,8 @@ class SonataImport {
   using Key = std::tuple<std::string, std::uint32_t, std::uint32_t, std::string, bool>;
 
   /// Null when the target has no such receptor.
-  ImportedProjection* projection_for(const Edges& edges, const EdgeType& type, std::uint32_t pre, std::uint32_t post,
-                                     bool is_inhibitory) {
+  ForeignProjection* projection_for(const Edges& edges, const EdgeType& type, std::uint32_t pre, std::uint32_t post,
+                                    bool is_inhibitory) {
     const SonataCells& target = nodes_.cells[post];
     std::string receptor = type.receptor;
     if (receptor.empty()) {
@@ -449,11 +449,11 @@ class SonataImport {
       return &made_.projections[found->second];
     }
     if (std::none_of(target.receptors.begin(), target.receptors.end(),
-                     [&](const ImportedReceptor& r) { return r.name == receptor; })) {
+                     [&](const ForeignReceptor& r) { return r.name == receptor; })) {
       return nullptr;
     }
     number_of_.emplace(key, made_.projections.size());
-    ImportedProjection made;
+    ForeignProjection made;
     made.name = circuit_name_of(std::get<0>(key));
     made.from = nodes_.cells[pre].name;
     made.to = target.name;
@@ -481,11 +481,11 @@ class SonataImport {
   /// A projection keeps its name while it is the only one of it; else its ends, and at last its sign, tell it apart.
   void name_projections() {
     std::map<std::string, int> count;
-    for (const ImportedProjection& projection : made_.projections) {
+    for (const ForeignProjection& projection : made_.projections) {
       ++count[projection.name];
     }
     std::set<std::string> used;
-    for (ImportedProjection& projection : made_.projections) {
+    for (ForeignProjection& projection : made_.projections) {
       if (count[projection.name] > 1) {
         projection.name = circuit_name_of(fmt::format("{}_{}_{}", projection.name, projection.from, projection.to));
       }
@@ -506,13 +506,13 @@ class SonataImport {
   bool has_own_tick_ = false;
   SonataNodes nodes_;
   std::map<Key, std::size_t> number_of_;
-  ImportedCircuit made_;
+  ForeignCircuit made_;
 };
 
 }  // namespace
 
-std::optional<ImportedCircuit> import_sonata(const SonataConfig& config, const SonataImportOptions& options,
-                                             std::string& error, const ExchangeProgress& progress) {
+std::optional<ForeignCircuit> import_sonata(const SonataConfig& config, const SonataImportOptions& options,
+                                            std::string& error, const ExchangeProgress& progress) {
   return SonataImport(config, options, error, progress).run();
 }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/exchange/imported_circuit.h"
+#include "tools/exchange/foreign_circuit.h"
 #include "tools/exchange/sonata_config.h"
 
 namespace tectum {
@@ -15,8 +15,8 @@ struct SonataImportOptions {
 };
 
 /// Nothing, and one line in `error`, when the network is damaged or has neurons that Tectum has no model of.
-[[nodiscard]] std::optional<ImportedCircuit> import_sonata(const SonataConfig& config,
-                                                           const SonataImportOptions& options, std::string& error,
-                                                           const ExchangeProgress& progress);
+[[nodiscard]] std::optional<ForeignCircuit> import_sonata(const SonataConfig& config,
+                                                          const SonataImportOptions& options, std::string& error,
+                                                          const ExchangeProgress& progress);
 
 }  // namespace tectum

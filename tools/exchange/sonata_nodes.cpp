@@ -22,14 +22,14 @@ using Json = nlohmann::ordered_json;
 /// A node type in Tectum's words.
 struct NodeType {
   std::string model;
-  std::vector<ImportedReceptor> receptors;
-  std::map<std::string, ImportedValue> parameters;
+  std::vector<ForeignReceptor> receptors;
+  std::map<std::string, ForeignValue> parameters;
   std::map<std::string, std::string> nest_name;  // of parameters that single nodes may override
   double weight_scale = 1;
 };
 
 /// "30 ms" -> 30 and "ms".
-std::optional<ImportedValue> quantity_of(const std::string& text) {
+std::optional<ForeignValue> quantity_of(const std::string& text) {
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc{}) {
@@ -37,12 +37,12 @@ std::optional<ImportedValue> quantity_of(const std::string& text) {
   }
   std::string unit(end, text.data() + text.size());
   unit.erase(0, unit.find_first_not_of(' '));
-  return ImportedValue{{value}, unit};
+  return ForeignValue{{value}, unit};
 }
 
 /// "ex:exponential:2,in:instantaneous"; nothing when it says anything else.
-std::optional<std::vector<ImportedReceptor>> receptors_of(const std::string& text, double tick_ms) {
-  std::vector<ImportedReceptor> receptors;
+std::optional<std::vector<ForeignReceptor>> receptors_of(const std::string& text, double tick_ms) {
+  std::vector<ForeignReceptor> receptors;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(',', at), text.size());
     const std::string one = text.substr(at, end - at);
@@ -52,7 +52,7 @@ std::optional<std::vector<ImportedReceptor>> receptors_of(const std::string& tex
       return std::nullopt;
     }
     const std::size_t second = std::min(one.find(':', first + 1), one.size());
-    ImportedReceptor receptor{one.substr(0, first), one.substr(first + 1, second - first - 1), 0};
+    ForeignReceptor receptor{one.substr(0, first), one.substr(first + 1, second - first - 1), 0};
     if (second < one.size()) {
       const auto time = quantity_of(one.substr(second + 1));
       if (!time) {
@@ -66,7 +66,7 @@ std::optional<std::vector<ImportedReceptor>> receptors_of(const std::string& tex
 }
 
 /// What NEST's units rounded comes back from its own column, unless somebody has changed the value since.
-void take_kept(const SonataTable& table, std::size_t row, std::map<std::string, ImportedValue>& parameters) {
+void take_kept(const SonataTable& table, std::size_t row, std::map<std::string, ForeignValue>& parameters) {
   constexpr double kRounding = 1e-12;
   for (const char* name : kKeptParameters) {
     const auto kept = table.number(row, std::string("tectum_") + name);
@@ -250,10 +250,10 @@ class NodeReader {
   }
 
   /// Names and kinds of receptors are Tectum's own; times that NEST knows are NEST's.
-  static void take_times(const std::vector<ImportedReceptor>& own, NodeType& type) {
-    std::vector<ImportedReceptor> receptors = own;
+  static void take_times(const std::vector<ForeignReceptor>& own, NodeType& type) {
+    std::vector<ForeignReceptor> receptors = own;
     for (std::size_t r = 0; r < receptors.size(); ++r) {
-      for (const ImportedReceptor& nest : type.receptors) {
+      for (const ForeignReceptor& nest : type.receptors) {
         const bool is_same = nest.name == receptors[r].name || nest.name == fmt::format("port_{}", r + 1);
         if (is_same && receptors[r].kind == "exponential" && nest.kind == "exponential") {
           receptors[r].time_ms = nest.time_ms;
@@ -302,7 +302,7 @@ class NodeReader {
       SonataCells& cells = nodes_.cells[cells_of.at(id)];
       places.push_back({cells_of.at(id), cells.size++});
       for (const auto& [parameter, value] : types.at(id).parameters) {
-        ImportedValue& all = cells.parameters[parameter];
+        ForeignValue& all = cells.parameters[parameter];
         all.unit = value.unit;
         all.numbers.push_back(value.numbers.front());
       }
@@ -387,7 +387,7 @@ class NodeReader {
           return fail(fmt::format("{}: Tectum has no counterpart of `{}`, which the nodes of `{}` have for themselves",
                                   file.data, entry.name, name));
         }
-        ImportedValue& all = cells.parameters[native->first];
+        ForeignValue& all = cells.parameters[native->first];
         all.numbers.resize(cells.size, all.numbers.empty() ? 0 : all.numbers.front());
         all.numbers[places[i].index] = native->second;
       }
@@ -396,7 +396,7 @@ class NodeReader {
       const std::string path = fmt::format("{}/0/tectum_{}", group, kept);
       const auto values = data.has(path) ? values_of(path) : std::nullopt;
       for (std::size_t i = 0; values && i < places.size() && i < values->size(); ++i) {
-        ImportedValue& all = nodes_.cells[places[i].cells].parameters[kept];
+        ForeignValue& all = nodes_.cells[places[i].cells].parameters[kept];
         double& value = all.numbers[all.numbers.size() == 1 ? 0 : places[i].index];
         constexpr double kRounding = 1e-12;
         value = std::abs(value - (*values)[i]) <= kRounding * std::abs((*values)[i]) ? (*values)[i] : value;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/exchange/imported_circuit.h"
+#include "tools/exchange/foreign_circuit.h"
 #include "tools/exchange/sonata_config.h"
 
 namespace tectum {
@@ -17,8 +17,8 @@ struct SonataCells {
   std::string name;  // "EBN.left"
   std::string node_population;
   std::string model;  // Tectum's
-  std::vector<ImportedReceptor> receptors;
-  std::map<std::string, ImportedValue> parameters;
+  std::vector<ForeignReceptor> receptors;
+  std::map<std::string, ForeignValue> parameters;
   std::vector<double> spike_times_ms;  // the same for all of them
   std::uint32_t size = 0;
   double weight_scale = 1;  // the file's weight = weight * weight_scale

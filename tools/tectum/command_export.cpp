@@ -8,6 +8,8 @@
 
 #include "tools/exchange/export_edges.h"
 #include "tools/exchange/export_graph.h"
+#include "tools/exchange/export_neuroml.h"
+#include "tools/exchange/export_nir.h"
 #include "tools/exchange/export_sonata.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/progress.h"
@@ -36,6 +38,12 @@ ExportReport write_format(const ExportArguments& arguments, const CompileResult&
   }
   if (arguments.to == "sonata") {
     return export_sonata(result, arguments.output, progress);
+  }
+  if (arguments.to == "nir") {
+    return export_nir(wiring, arguments.output, progress);
+  }
+  if (arguments.to == "neuroml") {
+    return export_neuroml(wiring, arguments.output, progress);
   }
   return export_dot(wiring, grain, arguments.output, progress);
 }
@@ -93,9 +101,9 @@ void add_export_command(CLI::App& app, CommandContext& context) {
   CLI::App* command = app.add_subcommand("export", "write a circuit in the format of another simulator or tool");
   auto arguments = std::make_shared<ExportArguments>();
   add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOnly);
-  command->add_option("--to", arguments->to, "edges (CSV), graphml, dot, sonata")
+  command->add_option("--to", arguments->to, "edges (CSV), graphml, dot, sonata, nir, neuroml")
       ->required()
-      ->check(CLI::IsMember({"edges", "graphml", "dot", "sonata"}))
+      ->check(CLI::IsMember({"edges", "graphml", "dot", "sonata", "nir", "neuroml"}))
       ->type_name("FORMAT");
   command->add_option("-o,--output", arguments->output, "file to write; for sonata a folder")
       ->required()
@@ -115,6 +123,8 @@ void add_export_command(CLI::App& app, CommandContext& context) {
       "  tectum export circuits/oculomotor.json --to sonata -o out/eye_sonata\n"
       "  python3 -c \"import nest; nest.SonataNetwork('out/eye_sonata/circuit_config.json',\n"
       "             'out/eye_sonata/simulation_config.json').BuildNetwork()\"\n"
+      "  tectum export circuits/oculomotor.json --to nir -o out/eye.nir\n"
+      "  tectum export circuits/oculomotor.json --to neuroml -o out/eye.net.nml\n"
       "  tectum export circuits/oculomotor.json --lesion OPN --to dot -o out/no_opn.dot\n");
   command->callback([arguments, &context] { export_circuit(*arguments, context); });
 }

@@ -30,9 +30,9 @@ std::optional<SonataConfig> find_network(const SonataArguments& arguments, std::
                    : sonata_config_of_files(arguments.files, error);
 }
 
-void print(const SonataArguments& arguments, const ImportedCircuit& circuit, CommandContext& context) {
+void print(const SonataArguments& arguments, const ForeignCircuit& circuit, CommandContext& context) {
   std::size_t neurons = 0;
-  for (const ImportedPopulation& population : circuit.populations) {
+  for (const ForeignPopulation& population : circuit.populations) {
     neurons += std::size_t{population.size} * population.sides.size();
   }
   if (arguments.format == "json") {
@@ -54,7 +54,7 @@ void print(const SonataArguments& arguments, const ImportedCircuit& circuit, Com
 
 void import_network(const SonataArguments& arguments, CommandContext& context) {
   std::string error;
-  std::optional<ImportedCircuit> circuit;
+  std::optional<ForeignCircuit> circuit;
   {
     Progress progress(context.err, "reading " + arguments.files.front());
     const auto config = find_network(arguments, error);
@@ -68,7 +68,7 @@ void import_network(const SonataArguments& arguments, CommandContext& context) {
     if (!circuit->rest.contains("name") && circuit->name.empty()) {
       circuit->name = circuit_name_of(std::filesystem::path(arguments.output).stem().string());
     }
-    error = write_imported_circuit(*circuit, arguments.output, [&](double done) { progress.update(done); });
+    error = write_foreign_circuit(*circuit, arguments.output, [&](double done) { progress.update(done); });
   }
   if (!error.empty()) {
     context.err << fmt::format("tectum: {}\n", error);

@@ -1,4 +1,4 @@
-#include "tools/exchange/imported_circuit.h"
+#include "tools/exchange/foreign_circuit.h"
 
 #include <algorithm>
 #include <cctype>
@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// When this is the side: "side == left", or "side.horizontal == left && side.vertical == up".
-std::string condition_of(const ImportedPopulation& population, const ImportedSide& side) {
+std::string condition_of(const ForeignPopulation& population, const ForeignSide& side) {
   std::string text;
   for (std::size_t a = 0; a < side.sides.size(); ++a) {
     text += (a == 0 ? "" : " && ") + (side.sides.size() == 1
@@ -24,10 +24,10 @@ std::string condition_of(const ImportedPopulation& population, const ImportedSid
 }
 
 /// Neuron i's value on every side, as one expression.
-std::string value_text(const ImportedPopulation& population, const std::string& name, std::size_t neuron) {
+std::string value_text(const ForeignPopulation& population, const std::string& name, std::size_t neuron) {
   std::vector<std::string> texts;
-  for (const ImportedSide& side : population.sides) {
-    const ImportedValue& value = side.parameters.at(name);
+  for (const ForeignSide& side : population.sides) {
+    const ForeignValue& value = side.parameters.at(name);
     texts.push_back(quantity_text(value.numbers[value.numbers.size() == 1 ? 0 : neuron], value.unit));
   }
   if (std::all_of(texts.begin(), texts.end(), [&](const std::string& text) { return text == texts.front(); })) {
@@ -40,10 +40,9 @@ std::string value_text(const ImportedPopulation& population, const std::string& 
   return text;
 }
 
-Json parameter_json(const ImportedPopulation& population, const std::string& name) {
-  const bool varies = std::any_of(population.sides.begin(), population.sides.end(), [&](const ImportedSide& side) {
-    return side.parameters.at(name).numbers.size() > 1;
-  });
+Json parameter_json(const ForeignPopulation& population, const std::string& name) {
+  const bool varies = std::any_of(population.sides.begin(), population.sides.end(),
+                                  [&](const ForeignSide& side) { return side.parameters.at(name).numbers.size() > 1; });
   if (!varies) {
     return value_text(population, name, 0);
   }
@@ -54,7 +53,7 @@ Json parameter_json(const ImportedPopulation& population, const std::string& nam
   return list;
 }
 
-Json receptor_json(const ImportedReceptor& receptor) {
+Json receptor_json(const ForeignReceptor& receptor) {
   Json json = Json::object();
   if (receptor.kind != "exponential") {
     json["kind"] = receptor.kind;
@@ -67,7 +66,7 @@ Json receptor_json(const ImportedReceptor& receptor) {
   return json;
 }
 
-void add_population(const ImportedPopulation& population, Json& neurons, Json& populations) {
+void add_population(const ForeignPopulation& population, Json& neurons, Json& populations) {
   Json type = {{"model", population.model}};
   Json made = Json::object();
   const bool is_retina = population.more.contains("input");
@@ -84,7 +83,7 @@ void add_population(const ImportedPopulation& population, Json& neurons, Json& p
     const bool is_shared = !json.is_array() && json.get_ref<const std::string&>().find('?') == std::string::npos;
     (is_shared && !is_retina ? type : made)[name] = std::move(json);
   }
-  for (const ImportedReceptor& receptor : population.receptors) {
+  for (const ForeignReceptor& receptor : population.receptors) {
     type["receptors"][receptor.name] = receptor_json(receptor);
   }
   if (population.model == "spike_list") {
@@ -104,7 +103,7 @@ bool is_constant(const std::vector<double>& values) {
 }
 
 /// Constant weights and delays are said in the circuit, the others in columns.
-std::string write_edge_list(const ImportedProjection& projection, const std::string& path) {
+std::string write_edge_list(const ForeignProjection& projection, const std::string& path) {
   const bool has_weights = !is_constant(projection.weight);
   const bool has_delays = !is_constant(projection.delay_ms);
   TextFile file(path);
@@ -122,7 +121,7 @@ std::string write_edge_list(const ImportedProjection& projection, const std::str
   return file.close();
 }
 
-Json projection_json(const ImportedProjection& projection, const std::string& file) {
+Json projection_json(const ForeignProjection& projection, const std::string& file) {
   Json columns = Json::object();
   Json made = {{"from", projection.from}, {"to", projection.to}};
   const bool has_weights = !is_constant(projection.weight);
@@ -162,8 +161,8 @@ std::string circuit_name_of(const std::string& text) {
   return begins_well ? name : "_" + name;
 }
 
-std::string write_imported_circuit(const ImportedCircuit& circuit, const std::string& path,
-                                   const ExchangeProgress& progress) {
+std::string write_foreign_circuit(const ForeignCircuit& circuit, const std::string& path,
+                                  const ExchangeProgress& progress) {
   const std::filesystem::path file(path);
   const std::string folder = file.stem().string() + "_wiring";
   Json json = {{"tectum", 1}, {"name", circuit.name}};
@@ -176,12 +175,12 @@ std::string write_imported_circuit(const ImportedCircuit& circuit, const std::st
   }
   Json& neurons = json["neurons"] = Json::object();
   Json& populations = json["populations"] = Json::object();
-  for (const ImportedPopulation& population : circuit.populations) {
+  for (const ForeignPopulation& population : circuit.populations) {
     add_population(population, neurons, populations);
   }
   Json projections = Json::object();
   for (std::size_t p = 0; p < circuit.projections.size(); ++p) {
-    const ImportedProjection& projection = circuit.projections[p];
+    const ForeignProjection& projection = circuit.projections[p];
     const std::string list = folder + "/" + projection.name + ".csv";
     projections[projection.name] = projection_json(projection, list);
     const std::string problem = write_edge_list(projection, (file.parent_path() / list).string());

@@ -61,7 +61,8 @@ struct JointWhy {
   double time_s = 0;
   double goal_deg = 0;
   bool is_moving = false;
-  double begin_s = 0, begin_deg = 0;  // of the movement
+  std::optional<double> nearest_movement_s;  // of a joint that holds still: when it next moves or last moved
+  double begin_s = 0, begin_deg = 0;         // of the movement
   std::string output;
   std::vector<OutputShare> terms;
   std::vector<WhyHop> hops;  // from the motoneurons inwards
@@ -74,6 +75,9 @@ struct JointWhy {
 [[nodiscard]] std::string why_text(const JointWhy& why);
 [[nodiscard]] std::string why_json(const NeuronWhy& why);
 [[nodiscard]] std::string why_json(const JointWhy& why);
+
+/// What JSON says of a computed number: no digit depends on the machine's mathematical library.
+[[nodiscard]] double six_digits(double value);
 
 /// "EBN.left[3]", or nothing with a line that says what is wrong with the name.
 struct NamedNeuron {

@@ -91,6 +91,21 @@ class JointFinder {
     why_.is_moving = why_.is_moving && std::abs(goal(at) - goal(begin)) >= kLeastMovementDeg;
     why_.begin_s = time_s(begin);
     why_.begin_deg = goal(begin);
+    if (!why_.is_moving) {
+      why_.nearest_movement_s = nearest_movement(at);
+    }
+  }
+
+  /// A frame in which the joint makes a good part of a movement.
+  [[nodiscard]] std::optional<double> nearest_movement(std::size_t at) const {
+    std::optional<double> found;
+    for (std::size_t frame = 1; frame < run_.recording.frames.size(); ++frame) {
+      const bool is_nearer = !found || std::abs(time_s(frame) - time_s(at)) < std::abs(*found - time_s(at));
+      if (is_nearer && std::abs(goal(frame) - goal(frame - 1)) >= kLeastMovementDeg) {
+        found = time_s(frame);
+      }
+    }
+    return found;
   }
 
   [[nodiscard]] std::size_t count(std::uint32_t population, double begin_s, double end_s) const {
@@ -262,6 +277,11 @@ class JointFinder {
   JointWhy why_;
 };
 
+/// Of all input that changed in the same direction.
+double share_of_change(const WhyHop& hop) {
+  return hop.input_change_total > 0 ? std::abs(hop.input - hop.input_before) / hop.input_change_total : 0;
+}
+
 std::string rate_text(double hz) { return fmt::format("{:.{}f}", hz, hz < 10 ? 1 : 0); }
 
 }  // namespace
@@ -273,7 +293,9 @@ std::optional<JointWhy> why_joint(const RecordedCircuit& run, Joint joint, doubl
 std::string why_text(const JointWhy& why) {
   std::string text = fmt::format("{} at {:.3f} s: told {:+.2f} deg, ", why.joint, why.time_s, why.goal_deg);
   text += why.is_moving ? fmt::format("moving {:+.2f} deg since {:.3f} s\n", why.goal_deg - why.begin_deg, why.begin_s)
-                        : "holding still\n";
+                        : "holding still";
+  text += why.nearest_movement_s ? fmt::format("; it moves at {:.3f} s\n", *why.nearest_movement_s)
+                                 : std::string(why.is_moving ? "" : "\n");
   for (const OutputShare& term : why.terms) {
     text += fmt::format("  {}: {} fires at {:.0f} Hz, x {:+.4g} {}", why.output, term.population, term.rate_hz,
                         term.gain, term.gain_unit);
@@ -288,8 +310,7 @@ std::string why_text(const JointWhy& why) {
         fmt::format("  {:.3f} s  {} fires at {} Hz, {} Hz before: {} spike{} until then", hop.time_s, hop.population,
                     rate_text(hop.rate_hz), rate_text(hop.rate_before_hz), hop.spikes, hop.spikes == 1 ? "" : "s");
     if (!hop.where.empty()) {
-      const double change = std::abs(hop.input - hop.input_before);
-      const double share = hop.input_change_total > 0 ? 100 * change / hop.input_change_total : 0;
+      const double share = 100 * share_of_change(hop);
       text +=
           fmt::format("\n           because {}, {}, brings {:.3g} {} instead of {:.3g} {} ({:.0f} % of what changed)",
                       hop.where, hop.projection, hop.input, hop.unit, hop.input_before, hop.unit, share);
@@ -300,29 +321,33 @@ std::string why_text(const JointWhy& why) {
 }
 
 std::string why_json(const JointWhy& why) {
-  nlohmann::ordered_json json = {{"joint", why.joint},      {"time_s", why.time_s},   {"goal_deg", why.goal_deg},
-                                 {"moving", why.is_moving}, {"begin_s", why.begin_s}, {"begin_deg", why.begin_deg},
-                                 {"output", why.output}};
+  nlohmann::ordered_json json = {
+      {"joint", why.joint},      {"time_s", six_digits(why.time_s)},   {"goal_deg", six_digits(why.goal_deg)},
+      {"moving", why.is_moving}, {"begin_s", six_digits(why.begin_s)}, {"begin_deg", six_digits(why.begin_deg)},
+      {"output", why.output}};
+  json["nearest_movement_s"] = why.nearest_movement_s ? nlohmann::ordered_json(six_digits(*why.nearest_movement_s))
+                                                      : nlohmann::ordered_json(nullptr);
   json["terms"] = nlohmann::ordered_json::array();
   for (const OutputShare& term : why.terms) {
     json["terms"].push_back({{"population", term.population},
-                             {"rate_hz", term.rate_hz},
-                             {"rate_before_hz", term.rate_before_hz},
+                             {"rate_hz", six_digits(term.rate_hz)},
+                             {"rate_before_hz", six_digits(term.rate_before_hz)},
                              {"gain", term.gain},
                              {"gain_unit", term.gain_unit}});
   }
   json["hops"] = nlohmann::ordered_json::array();
   for (const WhyHop& hop : why.hops) {
     json["hops"].push_back({{"population", hop.population},
-                            {"time_s", hop.time_s},
-                            {"rate_hz", hop.rate_hz},
-                            {"rate_before_hz", hop.rate_before_hz},
+                            {"time_s", six_digits(hop.time_s)},
+                            {"rate_hz", six_digits(hop.rate_hz)},
+                            {"rate_before_hz", six_digits(hop.rate_before_hz)},
                             {"spikes", hop.spikes},
                             {"projection", hop.projection},
                             {"where", hop.where},
-                            {"input", hop.input},
-                            {"input_before", hop.input_before},
+                            {"input", six_digits(hop.input)},
+                            {"input_before", six_digits(hop.input_before)},
                             {"input_unit", hop.unit},
+                            {"share_of_change", six_digits(share_of_change(hop))},
                             {"note", hop.note}});
   }
   return json.dump(2);

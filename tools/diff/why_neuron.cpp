@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -112,6 +113,8 @@ std::string why_text(const NeuronWhy& why) {
   return text;
 }
 
+double six_digits(double value) { return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr); }
+
 std::string why_json(const NeuronWhy& why) {
   nlohmann::ordered_json json;
   json["neuron"] = why.neuron;
@@ -120,17 +123,17 @@ std::string why_json(const NeuronWhy& why) {
   json["model"] = why.model;
   if (why.account.has_potential) {
     json["unit"] = why.account.unit;
-    json["potential"] = why.account.potential;
+    json["potential"] = six_digits(why.account.potential);
     json["threshold"] = why.account.threshold;
-    json["own"] = why.account.own;
+    json["own"] = six_digits(why.account.own);
     json["refractory"] = why.account.is_refractory;
   }
   json["shares"] = nlohmann::ordered_json::array();
   for (const NeuronShare& share : why.shares) {
     json["shares"].push_back({{"projection", share.projection},
                               {"where", share.where},
-                              {"potential", share.share.potential},
-                              {"input", share.share.input},
+                              {"potential", six_digits(share.share.potential)},
+                              {"input", six_digits(share.share.input)},
                               {"input_unit", share.unit},
                               {"recent_spikes", share.recent_spikes},
                               {"recent_neurons", share.recent_neurons}});

@@ -8,19 +8,25 @@
 namespace tectum {
 namespace {
 
+std::string spread_text(const PairedFigure& figure) {
+  return figure.a.size() < 2 ? "-" : fmt::format("{:.3g}", figure.spread());
+}
+
 std::string figure_line(const PairedFigure& figure) {
   const std::optional<bool> exceeds = figure.exceeds_spread();
   const char* verdict = !exceeds ? "one run" : *exceeds ? "beyond the spread" : "within the spread";
-  return fmt::format("  {:<18} {:>9.4g} {:>9.4g} {:>+9.3g} {:>9.3g}  {:<5}  {}\n", figure.name, figure.mean_a(),
-                     figure.mean_b(), figure.difference(), figure.spread(), figure.unit, verdict);
+  return fmt::format("  {:<18} {:>9.4g} {:>9.4g} {:>+9.3g} {:>9}  {:<5}  {}\n", figure.name, figure.mean_a(),
+                     figure.mean_b(), figure.difference(), spread_text(figure), figure.unit, verdict);
 }
 
 std::string kinematics_text(const Behaviour& behaviour) {
   std::string text = fmt::format("  {:<18} {:>9} {:>9} {:>9} {:>9}\n", "eyes", "first", "second", "change", "spread");
+  std::string missing;
   for (const PairedFigure& figure : behaviour.kinematics) {
-    text += figure.a.empty() ? fmt::format("  {:<18} {:>9}\n", figure.name, "-") : figure_line(figure);
+    text += figure.a.empty() ? "" : figure_line(figure);
+    missing += figure.a.empty() ? (missing.empty() ? "" : ", ") + figure.name : "";
   }
-  return text;
+  return text + (missing.empty() ? "" : fmt::format("  not to be had of both: {}\n", missing));
 }
 
 const char* star(const PairedFigure& figure) { return figure.exceeds_spread().value_or(false) ? "*" : " "; }
@@ -47,8 +53,8 @@ std::string populations_text(const Behaviour& behaviour) {
                   "change", "spread", "later ms", "van Rossum", "Vic.-Pur.", "SPIKE");
   for (std::size_t k = 0; k < std::min(order.size(), kMost); ++k) {
     const PopulationDifference& p = *order[k];
-    text += fmt::format("  {:<18} {:>9.1f} {:>9.1f} {:>+8.1f}{} {:>9.2f} {:>8} {:>10.2f} {:>9.1f} {:>6.3f}\n", p.name,
-                        p.rate.mean_a(), p.rate.mean_b(), p.rate.difference(), star(p.rate), p.rate.spread(),
+    text += fmt::format("  {:<18} {:>9.1f} {:>9.1f} {:>+8.1f}{} {:>9} {:>8} {:>10.2f} {:>9.1f} {:>6.3f}\n", p.name,
+                        p.rate.mean_a(), p.rate.mean_b(), p.rate.difference(), star(p.rate), spread_text(p.rate),
                         later_text(p, behaviour.is_closed_loop), p.van_rossum, p.victor_purpura, p.spike);
   }
   if (order.size() > kMost) {

@@ -64,7 +64,7 @@ Json kinematics_json(const Behaviour& behaviour) {
                        {"first", is_known ? Json(figure.mean_a()) : Json(nullptr)},
                        {"second", is_known ? Json(figure.mean_b()) : Json(nullptr)},
                        {"change", is_known ? Json(figure.difference()) : Json(nullptr)},
-                       {"spread", is_known ? Json(figure.spread()) : Json(nullptr)},
+                       {"spread", figure.a.size() > 1 ? Json(figure.spread()) : Json(nullptr)},
                        {"beyond_spread", or_null(figure.exceeds_spread())},
                        {"by_seed", std::move(seeds)}});
   }
@@ -79,12 +79,12 @@ Json populations_json(const Behaviour& behaviour) {
                            {"first_hz", p.rate.mean_a()},
                            {"second_hz", p.rate.mean_b()},
                            {"change_hz", p.rate.difference()},
-                           {"spread_hz", p.rate.spread()},
+                           {"spread_hz", p.rate.a.size() > 1 ? Json(p.rate.spread()) : Json(nullptr)},
                            {"beyond_spread", or_null(p.rate.exceeds_spread())},
                            {"first_latency_ms", has_latency ? Json(p.latency.mean_a()) : Json(nullptr)},
                            {"second_latency_ms", has_latency ? Json(p.latency.mean_b()) : Json(nullptr)},
                            {"latency_change_ms", has_latency ? Json(p.latency.difference()) : Json(nullptr)},
-                           {"latency_spread_ms", has_latency ? Json(p.latency.spread()) : Json(nullptr)},
+                           {"latency_spread_ms", p.latency.a.size() > 1 ? Json(p.latency.spread()) : Json(nullptr)},
                            {"latency_beyond_spread", or_null(p.latency.exceeds_spread())},
                            {"lag_ms", or_null(p.lag_ms)},
                            {"van_rossum", p.van_rossum},

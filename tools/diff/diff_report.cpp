@@ -27,6 +27,14 @@ struct Comparison {
   const Behaviour* behaviour;
 };
 
+/// "A -> B" with an arrow that no line break takes apart.
+std::string with_arrows(std::string text) {
+  for (std::size_t at = 0; (at = text.find(" -> ", at)) != std::string::npos;) {
+    text.replace(at, 4, "\u00a0\u2192 ");
+  }
+  return text;
+}
+
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 void add_legend(ReportPage& page, bool has_both) {
@@ -55,7 +63,7 @@ void add_changes(ReportPage& page, const Comparison& found) {
     const ChangeLine& line = lines[k];
     const std::string sides = line.sides.empty() ? "" : fmt::format(" [{}]", line.sides);
     const std::string because = line.because.empty() ? "" : ", because " + line.because;
-    table.rows.push_back({line.group.empty() ? "circuit" : line.group, line.text + sides + because});
+    table.rows.push_back({line.group.empty() ? "circuit" : line.group, with_arrows(line.text + sides + because)});
     table.notes.push_back(line.place.empty() ? "" : file_name(line.place));
   }
   page.table(table);
@@ -103,9 +111,11 @@ void add_divergence(ReportPage& page, const Divergence& divergence) {
     page.paragraph(fmt::format("No spike, potential or command differs in {:.4g} s.", divergence.compared_s));
     return;
   }
-  page.paragraph(
-      "Both driven by what the eyes of the first saw, so that up to the first difference they have the same past. One "
-      "row a population or joint, when it first differs.");
+  page.paragraph(std::string(divergence.is_driven
+                                 ? "Both driven by what the eyes of the first saw, so that up to the first "
+                                   "difference they have the same past. "
+                                 : "As recorded. ") +
+                 "One row a population or joint, when it first differs.");
   ReportTable table;
   table.header = {"ms", "what differs"};
   table.holds_text = true;
@@ -114,7 +124,7 @@ void add_divergence(ReportPage& page, const Divergence& divergence) {
     text += link.others == 0 ? "" : fmt::format(", with {} more of {}", link.others, link.population);
     const char* joins = link.from.empty() && link.kind != LinkKind::Command ? ", because " : ", ";
     text += link.why.empty() ? "" : joins + link.why;
-    table.rows.push_back({number_text(link.time_ms, 1), text});
+    table.rows.push_back({number_text(link.time_ms, 1), with_arrows(text)});
   }
   page.table(table);
 }
@@ -134,8 +144,8 @@ void add_kinematics_table(ReportPage& page, const Behaviour& behaviour) {
   for (const PairedFigure& figure : behaviour.kinematics) {
     const std::string name = figure.unit.empty() ? figure.name : fmt::format("{}, {}", figure.name, figure.unit);
     if (figure.a.empty()) {
-      table.rows.push_back({name, "–", "–", "", ""});
-      table.notes.emplace_back("not in both");
+      table.rows.push_back({name, "–", "–", "–", "–"});
+      table.notes.emplace_back("not to be had of both");
       continue;
     }
     const int decimals = decimals_for(figure);
@@ -233,7 +243,8 @@ void add_populations(ReportPage& page, const Behaviour& behaviour) {
   distances.header = {"distance", "van Rossum", "Vic.-Pur.", "SPIKE"};
   for (const PopulationDifference* p : by_distance(behaviour)) {
     const bool has_latency = !p->latency.a.empty();
-    const std::string later = has_latency ? change_text(p->latency, 1) + " ms" : "–";
+    const std::string later =
+        has_latency ? change_text(p->latency, 1) + (p->latency.exceeds_spread().value_or(false) ? " ms*" : " ms") : "–";
     rates.rows.push_back({p->name, number_text(p->rate.mean_a(), 1) + " Hz", number_text(p->rate.mean_b(), 1) + " Hz",
                           change_text(p->rate, 1) + (p->rate.exceeds_spread().value_or(false) ? "*" : ""), later});
     distances.rows.push_back(
@@ -271,8 +282,9 @@ void add_rasters(ReportPage& page, const Comparison& found) {
     }
   }
   page.figure("From just before the first difference",
-              fmt::format("The {} populations that differ most over the run; one row a neuron.",
-                          std::min(behaviour.populations.size(), kMostLanes)),
+              fmt::format("{} of {} populations that differ: those that it reaches first, and those that end up most "
+                          "different. One row a neuron.",
+                          std::min(behaviour.populations.size(), kMostLanes), behaviour.populations.size()),
               overlay.picture({.window = zoom, .max_lane_px = 44, .marks_s = steps_s, .shades = {}},
                               "spikes of both circuits around their first difference"));
   page.figure(

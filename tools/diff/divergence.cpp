@@ -189,8 +189,8 @@ std::string divergence_text(const Divergence& divergence, std::size_t most_links
   }
   const DivergenceLink& first = divergence.links.front();
   std::string text =
-      fmt::format("first difference: at {:.1f} ms, of both driven by what the eyes of the first saw\n  {}\n",
-                  first.time_ms, link_text(first));
+      fmt::format("first difference: at {:.1f} ms{}\n  {}\n", first.time_ms,
+                  divergence.is_driven ? ", of both driven by what the eyes of the first saw" : "", link_text(first));
   text += first.why.empty() ? "" : fmt::format("  because {}\n", first.why);
   const std::size_t shown = std::min(divergence.links.size(), most_links + 1);
   for (std::size_t k = 1; k < shown; ++k) {

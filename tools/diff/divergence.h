@@ -28,6 +28,7 @@ struct DivergenceLink {
 struct Divergence {
   std::vector<DivergenceLink> links;  // ascending in time; the first is the first difference. Empty: none
   double compared_s = 0;
+  bool is_driven = true;  // by one input, that of the first; false: two recordings, each with its own
 };
 
 struct DivergenceInput {

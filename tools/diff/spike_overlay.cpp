@@ -47,10 +47,17 @@ std::vector<RecordedPopulation> most_different(const Behaviour& behaviour, std::
     order.emplace_back(-population.van_rossum, population.name);
   }
   std::sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), most));
+  // What the first difference leads to comes before what ends up most different.
   std::set<std::string> chosen;
+  for (const DivergenceLink& link : behaviour.divergence.links) {
+    if (!link.population.empty() && chosen.size() < most) {
+      chosen.insert(link.population);
+    }
+  }
   for (const auto& [distance, name] : order) {
-    chosen.insert(name);
+    if (chosen.size() < most) {
+      chosen.insert(name);
+    }
   }
   std::vector<RecordedPopulation> populations;
   for (const RecordedPopulation& population : behaviour.first_b.populations) {

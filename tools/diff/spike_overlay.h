@@ -11,7 +11,7 @@ namespace tectum {
 
 class SpikeOverlay {
  public:
-  /// The populations that differ, at most `most_populations` of them, the most different ones.
+  /// At most `most_populations`: those that the first difference reaches first, then the most different ones.
   SpikeOverlay(const CircuitView& a, const CircuitView& b, const StructureDiff& structure, const Behaviour& behaviour,
                std::size_t most_populations);
   [[nodiscard]] bool is_empty() const { return either_.populations.empty(); }

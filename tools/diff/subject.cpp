@@ -144,6 +144,7 @@ Behaviour compare_subjects(const DiffSubject& a, const DiffSubject& b, const Str
   behaviour.populations =
       compare_spikes({{behaviour.first_a, behaviour.first_b, behaviour.first_parts}}, structure.match.population_of_b);
   behaviour.divergence = find_divergence({a.view, b.view, structure, behaviour.first_a, behaviour.first_b, {}});
+  behaviour.divergence.is_driven = !both;
   const bool same_commands =
       std::equal(behaviour.first_a.frames.begin(), behaviour.first_a.frames.end(), behaviour.first_b.frames.begin(),
                  behaviour.first_b.frames.end(), [](const RecordedFrame& x, const RecordedFrame& y) {

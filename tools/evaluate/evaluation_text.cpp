@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace tectum {
@@ -21,26 +22,56 @@ std::string head_text(const Protocol& protocol) {
       protocol.servo_speed_deg_s > 0 ? fmt::format(", servos at {:.1f} deg/s", protocol.servo_speed_deg_s) : "");
 }
 
-std::string controller_row(const std::string& name, const ControllerResult& result, double oracle_rmse_deg) {
+/// A line of a table: a circuit, or what it is held against.
+struct NamedResult {
+  std::string name;
+  const ControllerResult* result;
+};
+
+std::vector<NamedResult> lines_of(std::span<const CircuitEvaluation> circuits, std::size_t setting) {
+  std::vector<NamedResult> lines;
+  for (const CircuitEvaluation& circuit : circuits) {
+    lines.push_back({circuits.size() == 1 ? kControllerNames[0] : circuit.circuit,
+                     &circuit.evaluation.settings[setting].of(Controller::Circuit)});
+  }
+  for (std::size_t c = 1; c < kControllers; ++c) {
+    lines.push_back({kControllerNames[c], &circuits.front().evaluation.settings[setting].controllers[c]});
+  }
+  return lines;
+}
+
+/// Blanks that make room for names longer than `usual`.
+std::size_t name_width(std::span<const CircuitEvaluation> circuits, std::size_t usual) {
+  std::size_t width = usual;
+  for (const CircuitEvaluation& circuit : circuits) {
+    width = std::max(width, circuits.size() == 1 ? 0 : circuit.circuit.size() + 1);
+  }
+  return width;
+}
+
+std::string controller_row(const std::string& name, std::size_t width, const ControllerResult& result,
+                           double oracle_rmse_deg) {
   const ChannelSummary& all = result.all;
   return fmt::format(
-      "  {:<8}{:5.2f}{:6.2f}{:6.2f}{:6.2f}{:8.2f} ±{:4.2f}{:7.2f}{:8.2f}{:8.2f}{:8.2f}{:7.0f} %{:8.2f}\n", name,
+      "  {:<{}}{:5.2f}{:6.2f}{:6.2f}{:6.2f}{:8.2f} ±{:4.2f}{:7.2f}{:8.2f}{:8.2f}{:8.2f}{:7.0f} %{:8.2f}\n", name, width,
       result.channels[0].rmse_deg, result.channels[1].rmse_deg, result.channels[2].rmse_deg,
       result.channels[3].rmse_deg, all.rmse_deg, all.rmse_sd_deg,
       oracle_rmse_deg > 0 ? all.rmse_deg / oracle_rmse_deg : 0.0, all.wall_rmse_deg, all.settled_rmse_deg,
       all.median_abs_deg, 100 * all.fovea_share, all.jitter_deg);
 }
 
-std::string steps_table(const TrackingEvaluation& evaluation) {
+std::string steps_table(std::span<const CircuitEvaluation> circuits) {
+  const std::size_t width = name_width(circuits, 26);
+  const std::string blanks(width - 26, ' ');
   std::string text =
-      "\nafter each jump (medians over trials)\n"
-      "                                  starts   overshoot       p90   within 2 deg       p90     settled\n"
+      "\nafter each jump (medians over trials)\n" + blanks +
+      "                                  starts   overshoot       p90   within 2 deg       p90     settled\n" + blanks +
       "                                    (ms)         (%)       (%)           (ms)      (ms)\n";
-  for (const SettingResult& setting : evaluation.settings) {
-    text += setting_text(setting.setting) + '\n';
-    for (std::size_t c = 0; c < kControllers; ++c) {
-      const StepSummary& s = setting.controllers[c].steps;
-      text += fmt::format("  {:<26}{:12.0f}{:12.1f}{:10.1f}{:15.0f}{:10.0f}{:6} of {}\n", kControllerNames[c],
+  for (std::size_t i = 0; i < circuits.front().evaluation.settings.size(); ++i) {
+    text += setting_text(circuits.front().evaluation.settings[i].setting) + '\n';
+    for (const NamedResult& line : lines_of(circuits, i)) {
+      const StepSummary& s = line.result->steps;
+      text += fmt::format("  {:<{}}{:12.0f}{:12.1f}{:10.1f}{:15.0f}{:10.0f}{:6} of {}\n", line.name, width,
                           1000 * s.median_latency_s, 100 * s.median_overshoot_share, 100 * s.p90_overshoot_share,
                           1000 * s.median_settled_s, 1000 * s.p90_settled_s, s.settled, s.steps);
     }
@@ -122,23 +153,28 @@ std::string gains_text(const PidGains& gains) {
   return fmt::format("p {:g}, i {:g} Hz, d {:g} ms", gains.p, gains.i_hz, 1000 * gains.d_s);
 }
 
-std::string tracking_text(const Protocol& protocol, const TrackingEvaluation& evaluation) {
+std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvaluation> circuits) {
   std::string text = head_text(protocol);
-  text +=
-      "\nRMSE (deg)  left        right         mean          over   RMSE    RMSE  median      on fovea  jitter\n"
-      "           horiz  vert horiz  vert      ± sd        oracle    wall settled |error|    (< 1 deg)   (deg)\n";
-  for (const SettingResult& setting : evaluation.settings) {
+  constexpr std::size_t kUsualWidth = 8;
+  const std::size_t width = name_width(circuits, kUsualWidth);
+  const std::string blanks(width - kUsualWidth, ' ');
+  text += fmt::format(
+      "\nRMSE (deg){0}  left        right         mean          over   RMSE    RMSE  median      on fovea  jitter\n"
+      "{0}           horiz  vert horiz  vert      ± sd        oracle    wall settled |error|    (< 1 deg)   (deg)\n",
+      blanks);
+  for (std::size_t i = 0; i < circuits.front().evaluation.settings.size(); ++i) {
+    const SettingResult& setting = circuits.front().evaluation.settings[i];
     text += fmt::format("{}   [pid: {}]\n", setting_text(setting.setting), gains_text(setting.pid));
     const double oracle_rmse_deg = setting.of(Controller::Oracle).all.rmse_deg;
-    for (std::size_t c = 0; c < kControllers; ++c) {
-      text += controller_row(kControllerNames[c], setting.controllers[c], oracle_rmse_deg);
+    for (const NamedResult& line : lines_of(circuits, i)) {
+      text += controller_row(line.name, width, *line.result, oracle_rmse_deg);
     }
   }
   text +=
       "mean: of the four channels; wall: by the paper's definition, angles on the wall; settled: without the 300 ms "
       "after each jump\n";
   if (has_steps(protocol)) {
-    text += steps_table(evaluation);
+    text += steps_table(circuits);
   }
   return text + published_table(protocol);
 }

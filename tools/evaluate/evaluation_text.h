@@ -1,6 +1,7 @@
 // An evaluation as a terminal table and as JSON.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,15 @@ namespace tectum {
 [[nodiscard]] std::string setting_text(const Setting& setting);
 [[nodiscard]] std::string gains_text(const PidGains& gains);
 
-/// Ends in a newline.
-[[nodiscard]] std::string tracking_text(const Protocol& protocol, const TrackingEvaluation& evaluation);
+/// One circuit of a comparison.
+struct CircuitEvaluation {
+  std::string circuit;
+  TrackingEvaluation evaluation;
+};
+
+/// One table for all circuits; the oracle and the PID servo are those of the first one, whose joints they have. Ends in
+/// a newline.
+[[nodiscard]] std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvaluation> circuits);
 /// Stable keys; angles in degrees, times in seconds. Does not end in a newline.
 [[nodiscard]] std::string tracking_json(const Protocol& protocol, const std::string& circuit,
                                         const TrackingEvaluation& evaluation);

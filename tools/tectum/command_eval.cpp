@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 struct EvalArguments {
   CircuitArguments circuit;
+  std::vector<std::string> others;  // circuits beside it
   std::string protocol = "paper";
   int trials = 0;
   double duration_s = 0;
@@ -74,46 +75,112 @@ std::optional<Protocol> load_protocol(const EvalArguments& arguments, CommandCon
   return read.protocol;
 }
 
+/// The circuit and those beside it, all by the same options; empty when one of them cannot be used.
+std::vector<SpikeImage> load_circuits(const EvalArguments& arguments, CommandContext& context) {
+  std::vector<SpikeImage> images;
+  std::vector<std::string> paths = {arguments.circuit.path};
+  paths.insert(paths.end(), arguments.others.begin(), arguments.others.end());
+  for (const std::string& path : paths) {
+    CircuitArguments circuit = arguments.circuit;
+    circuit.path = path;
+    std::optional<SpikeImage> image = load_circuit(circuit, context, WarningPolicy::Quiet);
+    if (!image) {
+      return {};
+    }
+    images.push_back(std::move(*image));
+  }
+  return images;
+}
+
+std::string name_of(const SpikeImage& image) { return std::string(image.name(image.header.circuit_name)); }
+
+/// JSON of one circuit is an object, of several a list of such.
+std::string json_of(const std::vector<std::string>& circuits) {
+  return circuits.size() == 1 ? circuits.front() + '\n' : fmt::format("[\n{}\n]\n", fmt::join(circuits, ",\n"));
+}
+
+void compare_tracking(const EvalArguments& arguments, const Protocol& protocol, const std::vector<SpikeImage>& images,
+                      const std::function<void(double)>& watch, CommandContext& context) {
+  std::vector<CircuitEvaluation> circuits;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const auto watch_one = [&](double done) {
+      watch((static_cast<double>(i) + done) / static_cast<double>(images.size()));
+    };
+    circuits.push_back({name_of(images[i]), evaluate_tracking(images[i], protocol, arguments.threads, watch_one)});
+  }
+  if (arguments.circuit.format != "json") {
+    context.out << tracking_text(protocol, circuits);
+    return;
+  }
+  std::vector<std::string> parts;
+  for (const CircuitEvaluation& circuit : circuits) {
+    parts.push_back(tracking_json(protocol, circuit.circuit, circuit.evaluation));
+  }
+  context.out << json_of(parts);
+}
+
+void measure_physiology(const EvalArguments& arguments, const Protocol& protocol, const std::vector<SpikeImage>& images,
+                        const std::function<void(double)>& watch, CommandContext& context) {
+  std::vector<std::string> parts;
+  for (const SpikeImage& image : images) {
+    const std::vector<Yardstick> yardsticks = physiology(image, protocol, arguments.threads, watch);
+    if (arguments.circuit.format == "json") {
+      parts.push_back(physiology_json(protocol, name_of(image), yardsticks));
+    } else {
+      context.out << (images.size() > 1 ? name_of(image) + '\n' : "") << physiology_text(protocol, yardsticks);
+    }
+  }
+  if (!parts.empty()) {
+    context.out << json_of(parts);
+  }
+}
+
+void measure_learning(const EvalArguments& arguments, const Protocol& protocol, const std::vector<SpikeImage>& images,
+                      const std::function<void(double)>& watch, CommandContext& context) {
+  std::vector<std::string> parts;
+  for (const SpikeImage& image : images) {
+    const std::vector<LearningResult> results = evaluate_learning(image, protocol, arguments.threads, watch);
+    if (arguments.circuit.format == "json") {
+      parts.push_back(learning_json(protocol, name_of(image), results));
+    } else {
+      context.out << (images.size() > 1 ? name_of(image) + '\n' : "") << learning_text(protocol, results);
+    }
+  }
+  if (!parts.empty()) {
+    context.out << json_of(parts);
+  }
+}
+
 void run(const EvalArguments& arguments, CommandContext& context) {
   const std::optional<Protocol> protocol = load_protocol(arguments, context);
   if (!protocol) {
     return;
   }
-  const std::optional<SpikeImage> image = load_circuit(arguments.circuit, context, WarningPolicy::Quiet);
-  if (!image) {
+  const std::vector<SpikeImage> images = load_circuits(arguments, context);
+  if (images.empty()) {
     return;
   }
-  if (protocol->kind == ProtocolKind::Learning && image->plasticity.empty()) {
-    context.err << fmt::format("tectum: nothing in {} learns: no projection has `plasticity`\n",
-                               arguments.circuit.path);
-    context.exit_status = kExitFailed;
-    return;
+  for (const SpikeImage& image : images) {
+    if (protocol->kind == ProtocolKind::Learning && image.plasticity.empty()) {
+      context.err << fmt::format("tectum: nothing in {} learns: no projection has `plasticity`\n", name_of(image));
+      context.exit_status = kExitFailed;
+      return;
+    }
   }
   Progress progress(context.err,
                     fmt::format("{} {}", arguments.tunes_pid ? "tuning for" : "evaluating", protocol->name));
   const auto watch = [&](double done) { progress.update(done); };
   if (arguments.tunes_pid) {
-    context.out << tuning_text(*protocol, tune_pid(*image, *protocol, arguments.threads, watch));
+    context.out << tuning_text(*protocol, tune_pid(images.front(), *protocol, arguments.threads, watch));
     return;
   }
-  const bool is_json = arguments.circuit.format == "json";
   if (protocol->kind == ProtocolKind::Physiology) {
-    const std::string name(image->name(image->header.circuit_name));
-    const std::vector<Yardstick> yardsticks = physiology(*image, *protocol, arguments.threads, watch);
-    context.out << (is_json ? physiology_json(*protocol, name, yardsticks) + '\n'
-                            : physiology_text(*protocol, yardsticks));
-    return;
+    measure_physiology(arguments, *protocol, images, watch, context);
+  } else if (protocol->kind == ProtocolKind::Learning) {
+    measure_learning(arguments, *protocol, images, watch, context);
+  } else {
+    compare_tracking(arguments, *protocol, images, watch, context);
   }
-  if (protocol->kind == ProtocolKind::Learning) {
-    const std::string name(image->name(image->header.circuit_name));
-    const std::vector<LearningResult> results = evaluate_learning(*image, *protocol, arguments.threads, watch);
-    context.out << (is_json ? learning_json(*protocol, name, results) + '\n' : learning_text(*protocol, results));
-    return;
-  }
-  const TrackingEvaluation evaluation = evaluate_tracking(*image, *protocol, arguments.threads, watch);
-  const std::string circuit(image->name(image->header.circuit_name));
-  context.out << (is_json ? tracking_json(*protocol, circuit, evaluation) + '\n'
-                          : tracking_text(*protocol, evaluation));
 }
 
 }  // namespace
@@ -123,6 +190,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       app.add_subcommand("eval", "measure a circuit by a protocol, beside the physical limit and a PID servo");
   auto arguments = std::make_shared<EvalArguments>();
   add_circuit_arguments(*command, arguments->circuit, CircuitKinds::FileOrImage);
+  command->add_option("others", arguments->others, "more circuits, for one table of all")->type_name("CIRCUIT");
   command->add_option("--protocol", arguments->protocol, "a name out of circuits/protocols, or a file (.json)")
       ->capture_default_str()
       ->type_name("NAME");
@@ -143,6 +211,8 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       "  tectum eval circuits/oculomotor.json                                  the paper's protocol: about ten "
       "minutes\n"
       "  tectum eval circuits/oculomotor.json --trials 2 --duration 30         the same, short\n"
+      "  tectum eval circuits/oculomotor.json circuits/balachandar2020.json circuits/polykretis2022.json   side by "
+      "side\n"
       "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
       "  tectum eval circuits/oculomotor.json --protocol paper --tune-pid      how the PID servo's gains were found\n");
   command->callback([arguments, &context] { run(*arguments, context); });

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "compiler/source/csv_reader.h"
+#include "compiler/elaborate/edge_rows.h"
 
 namespace tectum {
 namespace {
@@ -66,13 +66,10 @@ class Connector {
 
   bool edge_list() {
     const EdgeTable& table = *projection_.edges;
-    CsvReader reader(table.path);
-    if (reader.error().empty()) {
-      reader.select(table.columns, table.has_header);
-    }
+    EdgeRows reader(table);
     std::vector<double> row(table.columns.size());
     block_.edge_columns.resize(row.size() - 2);
-    while (reader.next(row)) {
+    while (reader.next_numbers(row)) {
       const auto pre = local_index(row[0], pre_size_, "presynaptic", reader);
       const auto post = local_index(row[1], post_size_, "postsynaptic", reader);
       if (!pre || !post) {
@@ -89,8 +86,7 @@ class Connector {
     return error_.empty() && flush();
   }
 
-  std::optional<std::uint32_t> local_index(double cell, std::uint32_t size, const char* which,
-                                           const CsvReader& reader) {
+  std::optional<std::uint32_t> local_index(double cell, std::uint32_t size, const char* which, const EdgeRows& reader) {
     const double index = cell - static_cast<double>(projection_.edges->first_index);
     if (!(index >= 0 && index < size) || index != std::floor(index)) {
       error_ = fmt::format("{}:{}: the {} neuron {:g} is not one of {} to {}", reader.path(), reader.line(), which,
@@ -115,32 +111,7 @@ class Connector {
     return goes_on;
   }
 
-  template <typename Keep>
-  void compress(const Keep& keep) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < block_.size(); ++i) {
-      if (keep(i)) {
-        block_.pre[kept] = block_.pre[i];
-        block_.post[kept] = block_.post[i];
-        for (std::vector<double>& column : block_.edge_columns) {
-          column[kept] = column[i];
-        }
-        ++kept;
-      }
-    }
-    block_.pre.resize(kept);
-    block_.post.resize(kept);
-    for (std::vector<double>& column : block_.edge_columns) {
-      column.resize(kept);
-    }
-  }
-
-  void keep_where() {
-    if (projection_.where && block_.size() > 0) {
-      variables_.evaluate(PairUse::Where, *projection_.where, block_, values_);
-      compress([&](std::size_t i) { return values_[i] != 0; });
-    }
-  }
+  void keep_where() { tectum::keep_where(projection_, variables_, block_, values_); }
 
   /// The draw belongs to the pair, so that `where` never shifts it to another.
   void keep_by_chance() {
@@ -148,7 +119,7 @@ class Connector {
       return;
     }
     variables_.evaluate(PairUse::Probability, *projection_.probability, block_, values_);
-    compress([&](std::size_t i) {
+    keep_pairs(block_, [&](std::size_t i) {
       const std::uint64_t pair = std::uint64_t{block_.pre[i]} * post_size_ + block_.post[i];
       return random_.uniform(pair) < values_[i];
     });

@@ -9,11 +9,14 @@
 
 #include "compiler/elaborate/analyse.h"
 #include "compiler/elaborate/apply_lesions.h"
+#include "compiler/elaborate/cell_edges.h"
 #include "compiler/elaborate/connect.h"
 #include "compiler/elaborate/plastic_pathways.h"
 #include "compiler/elaborate/quantise.h"
 #include "compiler/elaborate/same_tick_order.h"
+#include "compiler/elaborate/scale_weights.h"
 #include "compiler/expression/random_stream.h"
+#include "compiler/validate/cell_tables.h"
 #include "compiler/validate/scope.h"
 #include "runtime/image/models.h"
 
@@ -123,6 +126,20 @@ class Wiring {
   void add(const Projection& projection, ProjectionId id) {
     const std::size_t before = network_.synapses.size();
     has_failed_ = false;
+    if (projection.edges && projection.edges->names_cells) {
+      add_cell_edges(projection, id);
+    } else {
+      add_pairs(projection, id);
+    }
+    if (projection.plasticity && !has_failed_) {
+      plasticity_.report_unused(projection);
+    }
+    if (network_.synapses.size() == before && !has_failed_) {
+      diagnostics_.add(Code::MatchesNoPair, projection.name_span).help_if(why_empty(projection), "{}");
+    }
+  }
+
+  void add_pairs(const Projection& projection, ProjectionId id) {
     for (const Endpoint& from : projection.from) {
       for (const Endpoint& to : projection.to) {
         const Population& pre_population = circuit_.populations[index_of(from.population)];
@@ -140,12 +157,50 @@ class Wiring {
         }
       }
     }
-    if (projection.plasticity && !has_failed_) {
-      plasticity_.report_unused(projection);
+  }
+
+  /// The rows of an edge list that names cells, two populations at a time.
+  void add_cell_edges(const Projection& projection, ProjectionId id) {
+    const CellEdges edges(circuit_, network_, projection);
+    if (edges.bad_rows().count > 0) {
+      report_bad_rows(diagnostics_, Code::BadEdgeList, projection.edges->span, projection.edges->path,
+                      edges.bad_rows());
+    } else if (!edges.error().empty()) {
+      diagnostics_.add(Code::BadEdgeList, projection.edges->span, {edges.error()});
     }
-    if (network_.synapses.size() == before && !has_failed_) {
-      diagnostics_.add(Code::MatchesNoPair, projection.name_span).help_if(why_empty(projection), "{}");
+    has_failed_ = edges.bad_rows().count > 0 || !edges.error().empty();
+    if (has_failed_) {
+      return;
     }
+    edges.for_each_pathway([&](std::uint32_t pre, std::uint32_t post, std::span<const std::uint32_t> rows) {
+      const Instance& from = circuit_.instances[pre];
+      const Instance& to = circuit_.instances[post];
+      PairVariables variables(circuit_, from, to, stream_name(projection, circuit_, from, to));
+      const auto pathway = static_cast<std::uint32_t>(network_.pathways.size());
+      const std::size_t before = network_.synapses.size();
+      PairBlock block;
+      for (std::size_t begin = 0; begin < rows.size() && !has_failed_; begin += kPairBlockSize) {
+        block.clear();
+        edges.fill(rows.subspan(begin, std::min(kPairBlockSize, rows.size() - begin)), block);
+        keep_where(projection, variables, block, where_values_);
+        has_failed_ = !take(projection, values_between(projection, from, to), block, variables,
+                            network_.populations[pre].first_neuron, network_.populations[post].first_neuron, pathway);
+      }
+      if (network_.synapses.size() > before) {
+        network_.pathways.push_back({id, projection.name, projection.cite, projection.name_span, pre, post,
+                                     receptor_of(projection, to.population), kNoRule});
+        if (projection.plasticity) {
+          plasticity_.add(*projection.plasticity, from, to, before);
+        }
+      }
+      return !has_failed_;
+    });
+  }
+
+  static std::uint32_t receptor_of(const Projection& projection, PopulationId target) {
+    const auto end = std::find_if(projection.to.begin(), projection.to.end(),
+                                  [&](const Endpoint& endpoint) { return endpoint.population == target; });
+    return end->receptor;
   }
 
   static std::optional<std::string> why_empty(const Projection& projection) {
@@ -304,6 +359,7 @@ class Wiring {
   PlasticPathways plasticity_;
   std::vector<double> weight_values_;
   std::vector<double> delay_values_;
+  std::vector<double> where_values_;
   bool has_failed_ = false;
   bool is_full_ = false;
 };
@@ -343,6 +399,10 @@ std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostic
   add_populations(circuit, network);
   Wiring wiring(circuit, network, diagnostics);
   wiring.run();
+  if (diagnostics.error_count() > errors_before) {
+    return std::nullopt;
+  }
+  scale_weights(circuit, network, wiring.weights, diagnostics);
   if (diagnostics.error_count() > errors_before) {
     return std::nullopt;
   }

@@ -131,4 +131,12 @@ void PairVariables::evaluate(PairUse use, const TypedExpression& expression, con
   Evaluator(expression).evaluate(inputs, out);
 }
 
+void keep_where(const Projection& projection, PairVariables& variables, PairBlock& block,
+                std::vector<double>& scratch) {
+  if (projection.where && block.size() > 0) {
+    variables.evaluate(PairUse::Where, *projection.where, block, scratch);
+    keep_pairs(block, [&](std::size_t i) { return scratch[i] != 0; });
+  }
+}
+
 }  // namespace tectum

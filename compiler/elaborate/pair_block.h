@@ -34,6 +34,27 @@ struct PairBlock {
   }
 };
 
+/// Only the pairs i of which keep(i) is true, in their order.
+template <typename Keep>
+void keep_pairs(PairBlock& block, const Keep& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if (keep(i)) {
+      block.pre[kept] = block.pre[i];
+      block.post[kept] = block.post[i];
+      for (std::vector<double>& column : block.edge_columns) {
+        column[kept] = column[i];
+      }
+      ++kept;
+    }
+  }
+  block.pre.resize(kept);
+  block.post.resize(kept);
+  for (std::vector<double>& column : block.edge_columns) {
+    column.resize(kept);
+  }
+}
+
 inline constexpr std::size_t kPairBlockSize = 4096;
 
 /// What an expression is for: each draws its own `random`.
@@ -64,5 +85,8 @@ class PairVariables {
   std::vector<Column> columns_;                // slot by slot; empty where the variable has no meaning here
   std::vector<std::vector<double>> gathered_;  // slot by slot, for the block in hand
 };
+
+/// Only the pairs for which the projection's `where` is true. `scratch` is overwritten.
+void keep_where(const Projection& projection, PairVariables& variables, PairBlock& block, std::vector<double>& scratch);
 
 }  // namespace tectum

@@ -109,11 +109,28 @@ struct InputUseDecl {
   NameDecl input;
 };
 
+/// A table of cells in a file: one row a cell, or a list of which each row names some.
+struct TableDecl {
+  NameDecl name;
+  NameDecl file;     // as written
+  std::string path;  // the same, as seen from here
+  std::vector<NameDecl> ids;
+  std::optional<NameDecl> separator;
+};
+
+/// The rows of a table that are a population's neurons.
+struct CellsDecl {
+  NameDecl table;
+  std::vector<KeyedValue> where;  // column: what stands in it
+  Span span;
+};
+
 struct PopulationDecl {
   NameDecl name;
   std::optional<NameDecl> neuron;
   std::vector<InputUseDecl> inputs;
   std::optional<ValueDecl> size;
+  std::optional<CellsDecl> cells;  // instead of a size
   std::vector<NameDecl> axes;
   std::optional<NameDecl> nucleus;
   std::string mixed_signs;            // why it both excites and inhibits; empty when it is not meant to
@@ -129,6 +146,8 @@ struct RuleDecl {
   std::optional<NameDecl> file;  // of an edge list, as written
   std::string path;              // the same, as seen from here
   std::vector<KeyedValue> columns;
+  std::optional<NameDecl> separator;
+  std::vector<KeyedValue> rows;  // column: what stands in it; other rows are left out
 };
 
 /// One relation for every shared axis (axis empty), or one for a named axis.
@@ -234,6 +253,13 @@ struct LesionDecl {
   std::optional<ValueDecl> fraction;
 };
 
+/// Weights of these projections are multiplied by one factor, so that their matrix has this leading eigenvalue.
+struct ScalingDecl {
+  NameDecl name;
+  std::vector<NameDecl> projections;
+  ValueDecl leading_eigenvalue;
+};
+
 /// A circuit inside the circuit, to be made several times.
 struct ModuleDecl {
   NameDecl name;
@@ -280,6 +306,8 @@ struct CircuitDecl {
   std::vector<OutputDecl> outputs;
   std::vector<JointDecl> joints;
   std::vector<LesionDecl> lesions;
+  std::vector<TableDecl> tables;
+  std::vector<ScalingDecl> scalings;
   std::vector<ModuleDecl> modules;
   std::vector<InstanceDecl> instances;
   std::vector<ScopeDecl> scopes;             // filled by expand_modules

@@ -145,6 +145,9 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
   decl.neuron = reader.name("neuron");
   decl.inputs = parse_input_use(context, reader);
   decl.size = reader.value("size");
+  if (const JsonId id = reader.child("cells"); id != JsonId::None) {
+    decl.cells = parse_cells(context, id);
+  }
   decl.axes = reader.names("axis");
   decl.nucleus = reader.name("nucleus");
   decl.mixed_signs = reader.text("mixed_signs");
@@ -177,7 +180,7 @@ PopulationDecl parse_population(const SectionContext& context, const Member& mem
     decl.inputs.clear();
   } else if (!reader.has("neuron") && !reader.has("input")) {
     reader.report_missing("neuron");
-  } else if (reader.has("neuron") && !reader.has("size")) {
+  } else if (reader.has("neuron") && !reader.has("size") && !reader.has("cells")) {
     reader.report_missing("size");
   }
   reader.finish();

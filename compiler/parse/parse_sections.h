@@ -50,5 +50,11 @@ JointDecl parse_joint(const SectionContext& context, const Member& member);
 ModuleDecl parse_module(const SectionContext& context, const Member& member);
 InstanceDecl parse_instance(const SectionContext& context, const Member& member);
 LesionDecl parse_lesion(const SectionContext& context, const Member& member);
+TableDecl parse_table(const SectionContext& context, const Member& member);
+ScalingDecl parse_scaling(const SectionContext& context, const Member& member);
+/// "cells" of a population.
+CellsDecl parse_cells(const SectionContext& context, JsonId id);
+/// An object of column: what stands in it, or a list of such.
+std::vector<KeyedValue> parse_row_filter(const SectionContext& context, ObjectReader& owner, std::string_view key);
 
 }  // namespace tectum

@@ -36,6 +36,8 @@ RuleDecl parse_rule(const SectionContext& context, ObjectReader& projection) {
       ObjectReader column_reader(context.tree, columns, "`columns`", context.diagnostics);
       rule.columns = column_reader.rest();
     }
+    rule.separator = reader.name("separator");
+    rule.rows = parse_row_filter(context, reader, "rows");
   }
   rule.arguments = reader.rest();
   reader.finish();

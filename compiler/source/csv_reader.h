@@ -1,4 +1,4 @@
-// A table in a text file, read row by row: commas, semicolons or tabs, one header line or none.
+// A table in a text file, read row by row: any separator, one header line or none, fields in double quotes or bare.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,15 @@
 
 namespace tectum {
 
-/// Streams numbers out of chosen columns; holds one chunk of the file at a time.
+/// One row: there, at fault (row_error() says how; the next call goes on behind it), or none left (or error()).
+enum class CsvRow { Read, Bad, End };
+
+/// Streams chosen columns; holds one chunk of the file at a time.
 class CsvReader {
  public:
   /// Opens the file and reads its first line. On failure `error()` says why and next() gives nothing.
-  explicit CsvReader(const std::string& path);
+  /// Separator 0: comma, semicolon, tab or bar, whichever the first line uses most.
+  explicit CsvReader(const std::string& path, char separator = '\0');
 
   /// "path: reason" or "path:line: reason"; empty while all is well.
   [[nodiscard]] const std::string& error() const { return error_; }
@@ -27,6 +31,17 @@ class CsvReader {
   void select(std::vector<std::size_t> columns, bool has_header);
   /// The next row's selected fields as numbers. False at the end, or when error() says why not. Skips empty lines.
   [[nodiscard]] bool next(std::span<double> values);
+  /// The next row's selected fields as they stand, without quotes and surrounding blanks. They hold until the next
+  /// call.
+  [[nodiscard]] CsvRow next_fields(std::span<std::string_view> fields);
+  /// "path:line: reason" of the last Bad row.
+  [[nodiscard]] const std::string& row_error() const { return row_error_; }
+  /// Reads a whole field as a number. Otherwise row_error() says which field of the last row is none.
+  [[nodiscard]] bool read_number(std::string_view field, std::size_t selected, double& value);
+  /// Bytes read so far, and of the whole file; for progress.
+  [[nodiscard]] std::uint64_t bytes_read() const { return bytes_read_; }
+  [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_; }
+
   /// Counted from 1, of the row that next() gave last.
   [[nodiscard]] std::uint64_t line() const { return line_; }
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -37,7 +52,6 @@ class CsvReader {
   };
   std::optional<std::string_view> next_line();
   bool refill();
-  bool read_field(std::string_view text, std::size_t column, double& value);
 
   std::string path_;
   std::string error_;
@@ -45,7 +59,11 @@ class CsvReader {
   std::string buffer_;
   std::size_t at_ = 0;
   bool is_at_end_ = false;
-  char separator_ = ',';
+  char separator_;
+  std::string row_error_;
+  std::vector<std::string_view> fields_;  // of next()
+  std::uint64_t bytes_read_ = 0;
+  std::uint64_t bytes_total_ = 0;
   std::vector<std::string> header_;
   std::vector<std::size_t> columns_;
   std::vector<std::size_t> value_of_column_;  // where each column of the file goes, npos when nowhere

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "compiler/expression/expression.h"
+#include "compiler/source/cell_numbers.h"
 #include "compiler/source/source_file.h"
 #include "compiler/validate/user_model.h"
 #include "runtime/image/plasticity.h"
@@ -30,6 +31,20 @@ template <typename Id>
 [[nodiscard]] constexpr std::size_t index_of(Id id) {
   return static_cast<std::size_t>(id);
 }
+
+/// Which neuron a cell of a table is.
+struct CellPlace {
+  static constexpr std::uint32_t kNowhere = 0xFFFFFFFFU;
+  std::uint32_t instance = kNowhere;  // of no population
+  std::uint32_t index = 0;
+};
+
+/// Cells that a file lists.
+struct CellTable {
+  std::string name;
+  CellNumbers numbers;
+  std::vector<CellPlace> places;  // by number
+};
 
 struct Axis {
   std::string name;
@@ -50,8 +65,9 @@ struct Population {
   ModelKind model = ModelKind::LifExp;
   std::shared_ptr<const UserModel> user_model;  // of ModelKind::Program
   bool may_sleep = false;
-  bool may_mix_signs = false;  // the circuit says why it both excites and inhibits
-  std::uint32_t size = 0;      // of each side
+  bool may_mix_signs = false;               // the circuit says why it both excites and inhibits
+  std::uint32_t size = 0;                   // of each side
+  std::optional<std::uint32_t> cell_table;  // its neurons are cells of this table
   std::vector<AxisId> axes;
   std::vector<Receptor> receptors;
   std::optional<Dimension> position_dimension;  // of its neurons' x and y, where they have a place
@@ -90,6 +106,12 @@ struct AxisRelation {
   Relation relation = Relation::Ipsi;
 };
 
+/// Rows of an edge list that are meant: those with one of these texts in the column.
+struct RowFilter {
+  std::size_t column = 0;  // of the file
+  std::vector<std::string> texts;
+};
+
 /// Wiring in a file: one row a synapse.
 struct EdgeTable {
   std::string path;
@@ -97,6 +119,11 @@ struct EdgeTable {
   bool has_header = true;
   std::vector<std::size_t> columns;  // of the file: pre, post, then those that expressions read
   std::uint64_t first_index = 0;     // what the file calls the first neuron
+  char separator = '\0';             // 0: whichever the first line uses most
+  bool names_cells = false;          // pre and post are names in these tables
+  std::uint32_t pre_table = 0;
+  std::uint32_t post_table = 0;
+  std::vector<RowFilter> rows;
 };
 
 /// What differs where the target (or, where it has no side, the source) is on this side.
@@ -212,6 +239,14 @@ struct JointSetting {
   double max_speed_deg_s = 0;  // 0 = none
 };
 
+/// One factor for all weights of some projections.
+struct Scaling {
+  std::string name;
+  Span span;
+  std::vector<ProjectionId> projections;
+  double leading_eigenvalue = 0;  // in the weights' unit
+};
+
 /// Removes all, or a random fraction, of what it names.
 struct Lesion {
   std::string key;  // of the random draws
@@ -234,6 +269,8 @@ struct Circuit {
   std::vector<Output> outputs;
   std::vector<JointSetting> joints;
   std::vector<Lesion> lesions;
+  std::vector<Scaling> scalings;
+  std::vector<std::shared_ptr<CellTable>> cell_tables;
   /// Number of each side's word in expressions; 0 is the hemifield of a cell on the midline.
   std::map<std::string, int> words;
 

@@ -22,7 +22,11 @@ std::optional<std::size_t> EdgeTableReader::find_column(const std::string& name,
 
 std::optional<EdgeTable> EdgeTableReader::read() {
   const Span file_span = rule_.file->span;
-  const CsvReader csv(rule_.path);
+  const auto separator = separator_char(v_, rule_.separator);
+  if (!separator) {
+    return std::nullopt;
+  }
+  const CsvReader csv(rule_.path, *separator);
   if (!csv.error().empty()) {
     v_.diagnostics().add(Code::BadEdgeList, file_span, {csv.error()});
     return std::nullopt;
@@ -30,6 +34,7 @@ std::optional<EdgeTable> EdgeTableReader::read() {
   EdgeTable table;
   table.path = rule_.path;
   table.span = file_span;
+  table.separator = *separator;
   // "columns": { "pre": "source", "post": "target", "w": "count" }: the names here are ours, the values the file's.
   const std::size_t errors_before = v_.diagnostics().error_count();
   std::vector<std::size_t> found;
@@ -54,6 +59,15 @@ std::optional<EdgeTable> EdgeTableReader::read() {
     if (const auto position = find_column(value.text, value.span, csv.header())) {
       found.push_back(*position);
       variables_.push_back(column.key.text);
+    }
+  }
+  for (const KeyedValue& filter : rule_.rows) {
+    if (const auto column = find_column(filter.key.text, filter.key.span, csv.header())) {
+      RowFilter& made = table.rows.emplace_back();
+      made.column = *column;
+      for (const ValueDecl& value : filter.values) {
+        made.texts.push_back(value.text);
+      }
     }
   }
   std::vector<std::size_t> sorted = found;

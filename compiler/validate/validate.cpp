@@ -99,7 +99,7 @@ void validate_axes(Validation& v) {
 }
 
 std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overrides, Diagnostics& diagnostics) {
-  Validation v{decl, overrides, Scope(diagnostics), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  Validation v{decl, overrides, Scope(diagnostics), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   v.circuit.name = decl.name.text;
   v.circuit.has_references = !decl.references.empty();
   validate_axes(v);
@@ -107,10 +107,12 @@ std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overri
   validate_time(v);
   validate_models(v);
   validate_retinas(v);
+  validate_tables(v);
   validate_populations(v);
   validate_projections(v);
   validate_outputs(v);
   validate_lesions(v);
+  validate_scalings(v);
   if (diagnostics.has_errors()) {
     return std::nullopt;
   }

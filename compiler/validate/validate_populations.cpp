@@ -54,7 +54,9 @@ class PopulationValidator {
     } else {
       model = neuron(decl, population, parameters);
     }
-    if (decl.size && decl.inputs.empty()) {
+    if (decl.cells) {
+      cells(decl, population);
+    } else if (decl.size && decl.inputs.empty()) {
       population.size = static_cast<std::uint32_t>(v_.scope.whole(*decl.size, "size", 1, kMaxNeurons).value_or(0));
     } else if (decl.size) {
       v_.diagnostics()
@@ -82,6 +84,20 @@ class PopulationValidator {
     if (population.user_model && v_.scope.trouble_count() == trouble_before) {
       check_user_model(v_, population, decl.name);
     }
+  }
+
+  /// Its neurons are cells that a file lists.
+  void cells(const PopulationDecl& decl, Population& population) {
+    const char* other = decl.size ? "size" : !decl.inputs.empty() ? "input" : !decl.axes.empty() ? "axis" : nullptr;
+    if (other != nullptr) {
+      v_.diagnostics()
+          .add(Code::KeysExclude, decl.cells->table.span, {"cells", other})
+          .help("measured sides rarely have as many cells each: write one population a side");
+      is_usable_ = false;
+      return;
+    }
+    const auto instance = static_cast<std::uint32_t>(index_of(population.first_instance));
+    population.size = assign_cells(v_, *decl.cells, instance, population).value_or(0);
   }
 
   /// A neuron type that no population brought this far is checked on a population of one.

@@ -243,10 +243,43 @@ class ProjectionValidator {
       is_sound_ = false;
       return;
     }
-    const std::uint32_t first = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(v_.circuit.axes.size());
-    for (std::uint32_t c = 0; c < reader.variables().size(); ++c) {
-      names_.add_variable("edge." + reader.variables()[c], kNumber, first + c);
+    if (!find_cell_tables()) {
+      is_sound_ = false;
+      return;
     }
+    const std::uint32_t first = kFirstAxisVariable + 3 * static_cast<std::uint32_t>(v_.circuit.axes.size());
+    const auto count = static_cast<std::uint32_t>(reader.variables().size());
+    for (std::uint32_t c = 0; c < count; ++c) {
+      names_.add_variable("edge." + reader.variables()[c], kNumber, first + c);
+      if (made_.edges->names_cells) {
+        names_.add_variable("pre.sum." + reader.variables()[c], kNumber, first + count + c);
+        names_.add_variable("post.sum." + reader.variables()[c], kNumber, first + 2 * count + c);
+      }
+    }
+  }
+
+  /// Where both ends are cells of tables, the file names them; where neither is, it numbers them.
+  bool find_cell_tables() {
+    if (made_.from.empty() || made_.to.empty()) {
+      return true;
+    }
+    const auto pre = population(made_.from.front()).cell_table;
+    const auto post = population(made_.to.front()).cell_table;
+    const auto differs = [&](const std::vector<Endpoint>& ends, std::optional<std::uint32_t> table) {
+      return std::any_of(ends.begin(), ends.end(),
+                         [&](const Endpoint& end) { return population(end).cell_table != table; });
+    };
+    if (pre.has_value() != post.has_value() || differs(made_.from, pre) || differs(made_.to, post)) {
+      v_.diagnostics()
+          .add(Code::BadEdgeList, made_.edges->span,
+               {"the populations of this edge list are not all cells, of one table at each end"})
+          .help("write one projection for those that the file names and one for those that it numbers");
+      return false;
+    }
+    made_.edges->names_cells = pre.has_value();
+    made_.edges->pre_table = pre.value_or(0);
+    made_.edges->post_table = post.value_or(0);
+    return true;
   }
 
   void rule_argument(const KeyedValue& argument) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/validate/cell_tables.h"
 #include "compiler/validate/circuit.h"
 #include "compiler/validate/scope.h"
 #include "compiler/validate/validate.h"
@@ -40,6 +41,8 @@ struct Validation {
   std::map<std::string, std::shared_ptr<const UserModel>, std::less<>> user_models;  // null: wrong
   std::map<std::string, std::uint32_t, std::less<>> retina_of;
   std::vector<bool> is_sound_retina;
+  std::map<std::string, std::uint32_t, std::less<>> table_of;
+  std::vector<TableContents> tables;
 
   [[nodiscard]] Diagnostics& diagnostics() { return scope.diagnostics(); }
   /// Can a name that is not found in this section be called unknown? No when the section could not be read.
@@ -65,6 +68,7 @@ void validate_projections(Validation& v);
                                                             const std::vector<std::string>& known_sides);
 void validate_outputs(Validation& v);
 void validate_lesions(Validation& v);
+void validate_scalings(Validation& v);
 
 /// The names of a list of declarations, for suggestions.
 template <typename Decl>

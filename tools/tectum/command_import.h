@@ -5,6 +5,7 @@
 
 namespace tectum {
 
+void add_import_edges_command(CLI::App& import, CommandContext& context);
 void add_import_matrix_command(CLI::App& import, CommandContext& context);
 void add_import_sonata_command(CLI::App& import, CommandContext& context);
 

@@ -153,10 +153,15 @@ void add_import_edges_command(CLI::App& import, CommandContext& context) {
       ->add_option("--sign", o.sign,
                    "in the table: column of the cell's sign or transmitter (-1, inhibitory, GABA, ...)")
       ->type_name("COLUMN");
-  command->add_option("--inhibitory", o.inhibitory, "classes whose cells inhibit; repeatable")->type_name("CLASS");
+  command->add_option("--inhibitory", o.inhibitory, "classes whose cells inhibit; repeatable")
+      ->expected(1)
+      ->take_all()
+      ->type_name("CLASS");
   command
       ->add_option("--drive", arguments->driven,
                    "fire at the cells of this class with Poisson sources [100 Hz]; repeatable")
+      ->expected(1)
+      ->take_all()
       ->type_name("CLASS[=HZ]");
   command->add_flag("--divide-by-input", arguments->divides_by_input,
                     "weigh each edge by its share of all that arrives at its cell");

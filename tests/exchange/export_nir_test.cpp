@@ -115,6 +115,10 @@ TEST_CASE("a NeuroML document has the cells, synapses and connections of the cir
   CHECK(text.find("preCellId=\"../S[2]\" postCellId=\"../A[1]\" weight=\"1.5\" delay=\"1.5ms\"") != std::string::npos);
   CHECK(text.find("preCellId=\"../B[0]\" postCellId=\"../B[1]\" weight=\"-1\" delay=\"1ms\"") != std::string::npos);
   CHECK(count_of(text, "<projection ") == count_of(text, "</projection>"));
+  // The schema is a sequence: inputs, PyNN's cells, PyNN's synapses, networks.
+  CHECK(text.find("<spikeGeneratorPoisson ") < text.find("<IF_curr_exp "));
+  CHECK(text.rfind("<IF_curr_exp ") < text.find("<expCurrSynapse "));
+  CHECK(text.rfind("<expCurrSynapse ") < text.find("<network "));
 }
 
 }  // namespace

@@ -26,10 +26,15 @@ class NeuromlExport {
     }
     TextFile file(path_);
     header(file);
-    write_synapses(file);
-    for (const Part& part : parts_) {
-      write_component(part, file);
+    // The schema takes components in this order only.
+    for (const ModelKind kind : {ModelKind::FieldSource, ModelKind::SpikeList, ModelKind::Poisson, ModelKind::LifExp}) {
+      for (const Part& part : parts_) {
+        if (network_.populations[part.population].model == kind) {
+          write_component(part, file);
+        }
+      }
     }
+    write_synapses(file);
     file.write("  <network id=\"{}\">\n", circuit_name_of(network_.name));
     for (const Part& part : parts_) {
       file.write("    <population id=\"{0}\" component=\"{0}_cell\" size=\"{1}\"/>\n", part.id, part.size);

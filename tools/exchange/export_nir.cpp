@@ -23,7 +23,7 @@ bool is_source(const NetworkPopulation& population) {
 class NirExport {
  public:
   NirExport(const Wiring& wiring, std::string path, const ExchangeProgress& progress)
-      : network_(wiring.network), path_(std::move(path)), progress_(progress) {
+      : wiring_(wiring), network_(wiring.network), path_(std::move(path)), progress_(progress) {
     for (std::size_t s = 0; s < network_.synapses.size(); ++s) {
       by_delay_[{network_.synapses.pathway[s], network_.synapses.delay_ticks[s]}].push_back(s);
     }
@@ -252,6 +252,9 @@ class NirExport {
     warn("NIR has no refractory period: t_ref is left out of", refractory);
     warn("NIR has no initial potential: V_init is left out of", initial);
     warn("NIR has no sources of spikes: inputs of the graph are", sources);
+    for (std::string& limit : learning_limits(wiring_, "NIR")) {
+      report_.warnings.push_back(std::move(limit));
+    }
     for (std::string& limit : head_outputs()) {
       report_.warnings.push_back(std::move(limit));
     }
@@ -273,6 +276,7 @@ class NirExport {
     }
   }
 
+  const Wiring wiring_;
   const Network& network_;
   std::string path_;
   const ExchangeProgress& progress_;

@@ -355,6 +355,9 @@ class SonataExport {
     for (const Output& output : network_.outputs) {
       outputs.push_back(output.name);
     }
+    for (std::string& limit : learning_limits({circuit_, network_}, "a SONATA network")) {
+      report_.warnings.push_back(std::move(limit));
+    }
     warn("no SONATA simulator moves joints: the outputs {} are in tectum.json for Tectum alone", outputs);
   }
 

@@ -35,7 +35,24 @@ std::vector<std::string> head_limits(const Wiring& wiring, std::string_view form
   if (!names.empty()) {
     limits.push_back(fmt::format("{} has no joints to move: left out the outputs {}", format, list_names(names)));
   }
+  for (std::string& limit : learning_limits(wiring, format)) {
+    limits.push_back(std::move(limit));
+  }
   return limits;
+}
+
+std::vector<std::string> learning_limits(const Wiring& wiring, std::string_view format) {
+  std::vector<std::string> names;
+  for (const Projection& projection : wiring.circuit.projections) {
+    if (projection.plasticity) {
+      names.push_back(projection.name);
+    }
+  }
+  if (names.empty()) {
+    return {};
+  }
+  return {fmt::format("{} does not learn by reward: the weights of {} stay as they are at the start", format,
+                      list_names(names))};
 }
 
 std::vector<std::string> head_and_model_limits(const Wiring& wiring, std::string_view format) {

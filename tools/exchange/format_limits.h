@@ -9,7 +9,9 @@
 
 namespace tectum {
 
-/// Retinas, outputs and joints, by name. `format` reads as a subject: "GraphML".
+/// Projections that learn, by name.
+[[nodiscard]] std::vector<std::string> learning_limits(const Wiring& wiring, std::string_view format);
+/// Retinas, outputs, joints and learning, by name. `format` reads as a subject: "GraphML".
 [[nodiscard]] std::vector<std::string> head_limits(const Wiring& wiring, std::string_view format);
 /// The same, and that the neurons' parameters stay behind.
 [[nodiscard]] std::vector<std::string> head_and_model_limits(const Wiring& wiring, std::string_view format);

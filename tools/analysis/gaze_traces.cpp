@@ -56,6 +56,18 @@ AngleTrace gaze_trace(const Recording& recording, Eye eye) {
   return trace;
 }
 
+AngleTrace sampled_gaze_trace(const Recording& recording, Eye eye) {
+  const std::size_t pan = joint_of(eye, Joint::LeftEyePan, Joint::RightEyePan);
+  const std::size_t tilt = joint_of(eye, Joint::LeftEyeTilt, Joint::RightEyeTilt);
+  AngleTrace trace;
+  for (const RecordedPositions& sample : recording.positions) {
+    const auto& deg = sample.position_deg;
+    push(trace, seconds(sample.time_ns), deg[pan] + deg[static_cast<std::size_t>(Joint::NeckPan)],
+         deg[tilt] + deg[static_cast<std::size_t>(Joint::NeckTilt)]);
+  }
+  return trace;
+}
+
 AngleTrace target_trace(const Recording& recording, Eye eye) {
   const auto e = static_cast<std::size_t>(eye);
   AngleTrace trace;

@@ -20,6 +20,10 @@ struct AngleTrace {
 /// and neck angles stands in for it (exact only for a neck at home).
 [[nodiscard]] AngleTrace gaze_trace(const Recording&, Eye);
 
+/// Eye and neck shafts added up, at the rate at which the recording samples them: the direction of gaze for a neck near
+/// its middle.
+[[nodiscard]] AngleTrace sampled_gaze_trace(const Recording&, Eye);
+
 /// The target's direction seen from the eye, head-base frame; only frames with truth.
 [[nodiscard]] AngleTrace target_trace(const Recording&, Eye);
 

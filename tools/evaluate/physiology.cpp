@@ -6,87 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "runtime/act/decoder.h"
-#include "tools/analysis/gaze_traces.h"
 #include "tools/analysis/saccades.h"
 #include "tools/analysis/statistics.h"
 #include "tools/evaluate/parallel_jobs.h"
 #include "tools/evaluate/tracking_evaluation.h"
+#include "tools/evaluate/trial_columns.h"
 
 namespace tectum {
 namespace {
 
-constexpr double kSampleS = 0.002;
-constexpr double kSmallestSaccadeDeg = 1;
-
-/// One trial as evenly sampled columns, sample k covering [k, k + 1) * kSampleS.
-struct Columns {
-  AngleTrace command;                        // left eye, of the motoneurons
-  std::vector<std::vector<double>> rate_hz;  // one row a recorded population, mean of its neurons
-  std::vector<std::string> names;
-  std::vector<double> jumps_s;
-  std::vector<Saccade> saccades;
-
-  [[nodiscard]] std::optional<std::size_t> population(std::string_view name) const {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? std::nullopt : std::optional<std::size_t>(found - names.begin());
-  }
-  /// Mean over [from_s, to_s) of a population's rate.
-  [[nodiscard]] double rate(std::size_t population, double from_s, double to_s) const {
-    const std::vector<double>& row = rate_hz[population];
-    const auto first = static_cast<std::size_t>(std::clamp(from_s / kSampleS, 0.0, static_cast<double>(row.size())));
-    const auto last = static_cast<std::size_t>(std::clamp(to_s / kSampleS, 0.0, static_cast<double>(row.size())));
-    double sum = 0;
-    for (std::size_t k = first; k < last; ++k) {
-      sum += row[k];
-    }
-    return last > first ? sum / static_cast<double>(last - first) : 0;
-  }
-};
-
-Columns columns_of(const SpikeImage& image, const Recording& recording) {
-  Columns columns;
-  const double tick_s = static_cast<double>(recording.tick_ns) * 1e-9;
-  const auto ticks_each = static_cast<std::uint64_t>(std::max(1.0, std::round(kSampleS / tick_s)));
-  const auto samples = static_cast<std::size_t>(recording.duration_s / kSampleS);
-  for (const RecordedPopulation& population : recording.populations) {
-    columns.names.push_back(population.name);
-    columns.rate_hz.emplace_back(samples, 0.0);
-  }
-  std::vector<std::uint32_t> population_of;
-  for (std::size_t p = 0; p < recording.populations.size(); ++p) {
-    const RecordedPopulation& population = recording.populations[p];
-    population_of.resize(std::max<std::size_t>(population_of.size(), population.first_neuron + population.size), 0);
-    std::fill_n(population_of.begin() + population.first_neuron, population.size, static_cast<std::uint32_t>(p));
-  }
-  Decoder decoder(image);
-  std::vector<NeuronId> now;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < samples; ++k) {
-    for (std::uint64_t tick = k * ticks_each; tick < (k + 1) * ticks_each; ++tick) {
-      now.clear();
-      for (; next < recording.spikes.size() && recording.spikes[next].tick == tick; ++next) {
-        const std::uint32_t neuron = recording.spikes[next].neuron;
-        now.push_back(NeuronId{neuron});
-        const std::uint32_t p = population_of[neuron];
-        columns.rate_hz[p][k] += 1 / (kSampleS * recording.populations[p].size);
-      }
-      decoder.tick(now);
-    }
-    std::array<double, kJointCount> joint_deg{};
-    decoder.decode(joint_deg);
-    columns.command.time_s.push_back(static_cast<double>(k) * kSampleS);
-    columns.command.pan_deg.push_back(joint_deg[static_cast<std::size_t>(Joint::LeftEyePan)]);
-    columns.command.tilt_deg.push_back(joint_deg[static_cast<std::size_t>(Joint::LeftEyeTilt)]);
-  }
-  SaccadeOptions options;
-  options.min_threshold_deg_s = 40;
-  options.min_amplitude_deg = kSmallestSaccadeDeg;
-  columns.saccades = detect_saccades(columns.command, options);
-  std::erase_if(columns.saccades, [](const Saccade& s) { return s.onset_s < 1; });  // the head's start
-  columns.jumps_s = target_jump_times_s(recording);
-  return columns;
-}
+constexpr double kSampleS = TrialColumns::kSampleS;
 
 struct Line {
   double slope = 0, intercept = 0, correlation = 0;
@@ -110,7 +39,7 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
 
 class Measures {
  public:
-  explicit Measures(const std::vector<Columns>& trials) : trials_(trials) {}
+  explicit Measures(const std::vector<TrialColumns>& trials) : trials_(trials) {}
 
   [[nodiscard]] std::vector<Yardstick> all() {
     kinematics();
@@ -129,7 +58,7 @@ class Measures {
 
   template <typename Visit>
   void each_saccade(const Visit& visit) const {
-    for (const Columns& trial : trials_) {
+    for (const TrialColumns& trial : trials_) {
       for (const Saccade& saccade : trial.saccades) {
         visit(trial, saccade);
       }
@@ -138,7 +67,7 @@ class Measures {
 
   [[nodiscard]] std::optional<double> peak_near(double amplitude_deg) const {
     std::vector<double> peaks;
-    each_saccade([&](const Columns&, const Saccade& s) {
+    each_saccade([&](const TrialColumns&, const Saccade& s) {
       if (std::abs(s.amplitude_deg - amplitude_deg) < 0.2 * amplitude_deg) {
         peaks.push_back(s.peak_velocity_deg_s);
       }
@@ -152,7 +81,7 @@ class Measures {
         "700 (1 - exp(-A/7)) +- 20 %, as Bahill and others");
     add("peak velocity, 15 deg saccades", "deg/s", peak_near(15), 252, 452, "VOG 352 +- 2 x 50, PMC6143243");
     std::vector<double> amplitude_deg, duration_ms, skewness;
-    each_saccade([&](const Columns&, const Saccade& s) {
+    each_saccade([&](const TrialColumns&, const Saccade& s) {
       amplitude_deg.push_back(s.amplitude_deg);
       duration_ms.push_back(1000 * s.duration_s);
       if (s.amplitude_deg <= 10 && s.amplitude_deg > 3) {
@@ -171,7 +100,7 @@ class Measures {
 
   void timing() {
     std::vector<double> latency_ms, count, interval_ms;
-    for (const Columns& trial : trials_) {
+    for (const TrialColumns& trial : trials_) {
       for (const double latency_s : saccade_latencies_s(trial.saccades, trial.jumps_s)) {
         latency_ms.push_back(1000 * latency_s);
       }
@@ -192,7 +121,7 @@ class Measures {
 
   void omnipause() {
     std::vector<double> tonic_hz, silent_share, lead_ms;
-    each_saccade([&](const Columns& trial, const Saccade& s) {
+    each_saccade([&](const TrialColumns& trial, const Saccade& s) {
       const auto opn = trial.population("OPN");
       if (!opn || s.amplitude_deg < 3) {
         return;
@@ -219,7 +148,7 @@ class Measures {
 
   void bursters(const char* left, const char* right) {
     std::vector<double> peak_hz, spikes, horizontal_deg, burst_ms, duration_ms, lead_ms;
-    each_saccade([&](const Columns& trial, const Saccade& s) {
+    each_saccade([&](const TrialColumns& trial, const Saccade& s) {
       const double pan_deg = s.to_deg[0] - s.from_deg[0];
       const auto agonist = trial.population(pan_deg > 0 ? right : left);
       if (!agonist || std::abs(pan_deg) < 2 || std::abs(pan_deg) < 0.7 * s.amplitude_deg) {
@@ -263,7 +192,7 @@ class Measures {
   void position_slope(const char* population, double sign, const char* what, double low, double high,
                       const char* source, bool is_rate_ahead) {
     std::vector<double> position_deg, rate_hz;
-    each_saccade([&](const Columns& trial, const Saccade& s) {
+    each_saccade([&](const TrialColumns& trial, const Saccade& s) {
       const auto index = trial.population(population);
       if (index) {
         position_deg.push_back(sign * s.from_deg[0]);
@@ -287,7 +216,7 @@ class Measures {
                    true);
   }
 
-  const std::vector<Columns>& trials_;
+  const std::vector<TrialColumns>& trials_;
   std::vector<Yardstick> found_;
 };
 
@@ -295,7 +224,7 @@ class Measures {
 
 std::vector<Yardstick> physiology(const SpikeImage& image, const Protocol& protocol, unsigned threads,
                                   const std::function<void(double)>& progress) {
-  std::vector<Columns> trials(static_cast<std::size_t>(protocol.trials));
+  std::vector<TrialColumns> trials(static_cast<std::size_t>(protocol.trials));
   std::vector<Job> jobs;
   for (std::size_t trial = 0; trial < trials.size(); ++trial) {
     jobs.emplace_back([&, trial](const std::function<void(double)>& report) {
@@ -304,7 +233,7 @@ std::vector<Yardstick> physiology(const SpikeImage& image, const Protocol& proto
       options.keeps_spikes = true;
       RunObserver observer;
       observer.progress = report;
-      trials[trial] = columns_of(image, run_simulated_head(image, options, observer));
+      trials[trial] = trial_columns(image, run_simulated_head(image, options, observer));
     });
   }
   run_jobs(jobs, threads, progress);

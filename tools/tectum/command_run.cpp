@@ -4,15 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "drivers/camera/video_writer.h"
 #include "runtime/record/recording_file.h"
-#include "tools/analysis/simulated_run.h"
+#include "tools/analysis/simulated_world.h"
 #include "tools/analysis/video_run.h"
 #include "tools/report/run_report.h"
 #include "tools/report/run_text.h"
@@ -28,17 +26,11 @@ namespace {
 
 struct RunArguments {
   CircuitArguments circuit;
-  std::string scenario = "random";
+  SimulatedWorld world;
   std::vector<std::string> video;
-  double duration_s = 0;
-  std::uint64_t seed = 1;
-  double frame_rate_hz = 0;
-  unsigned camera_latency_frames = 1;
-  double hold_s = 1;
-  int resolution_px = 320;
-  double noise = 0;
-  bool clutter = false;
-  std::string dot;
+  double duration_s = 0;     // 0: the world's, or to the video's end
+  double frame_rate_hz = 0;  // 0: the world's, or the video's own
+  std::vector<double> to_deg;
   double sample_rate_hz = 0;
   std::size_t lines = 40;
   std::string record_folder, report_path, picture_path, render_path, weights_path;
@@ -46,14 +38,18 @@ struct RunArguments {
   HeadArguments head;
 };
 
-constexpr double kDefaultDurationS = 60;
-constexpr double kDefaultFrameRateHz = 45;  // the published loop
-
 void add_world_options(CLI::App& command, RunArguments& arguments) {
-  std::vector<std::string> scenarios(std::begin(kScenarioNames), std::end(kScenarioNames));
-  command.add_option("--scenario", arguments.scenario, "what the laser dot does: hold, step, circle, chirp or random")
-      ->check(CLI::IsMember(scenarios))
+  SimulatedWorld& world = arguments.world;
+  command
+      .add_option("--scenario", world.scenario, "what the laser dot does: hold, step, circle, chirp, random or jump")
+      ->check(CLI::IsMember(world_scenarios()))
       ->capture_default_str();
+  command
+      .add_option("--to", arguments.to_deg,
+                  "where --scenario hold rests, or where jump goes to and comes back from: degrees right and up")
+      ->expected(2)
+      ->check(CLI::Range(-60.0, 60.0))
+      ->type_name("PAN TILT");
   command
       .add_option("--video", arguments.video, "run on recorded video instead: one file for both eyes, or left right")
       ->expected(1, 2)
@@ -61,29 +57,28 @@ void add_world_options(CLI::App& command, RunArguments& arguments) {
   command.add_option("--duration", arguments.duration_s, "seconds to run [60; for video: to its end]")
       ->check(CLI::Range(0.02, 1e6))
       ->type_name("S");
-  command.add_option("--seed", arguments.seed, "of the simulated world: target, servos, camera noise")
+  command.add_option("--seed", world.seed, "of the simulated world: target, servos, camera noise")
       ->capture_default_str();
   command.add_option("--frame-rate", arguments.frame_rate_hz, "frames a second [45; for video: the file's own]")
       ->check(CLI::Range(1.0, 1000.0))
       ->type_name("HZ");
-  command.add_option("--camera-latency", arguments.camera_latency_frames, "frames from exposure to the loop")
+  command.add_option("--camera-latency", world.camera_latency_frames, "frames from exposure to the loop")
       ->check(CLI::Range(0U, 15U))
       ->capture_default_str()
       ->type_name("FRAMES");
-  command.add_option("--hold", arguments.hold_s, "seconds between the jumps of --scenario random")
+  command.add_option("--hold", world.hold_s, "seconds between the jumps of --scenario random and jump")
       ->check(CLI::Range(0.05, 1000.0))
       ->capture_default_str()
       ->type_name("S");
-  command.add_option("--resolution", arguments.resolution_px, "of each simulated camera, square")
+  command.add_option("--resolution", world.resolution_px, "of each simulated camera, square")
       ->check(CLI::Range(32, 2160))
       ->capture_default_str()
       ->type_name("PX");
-  command.add_option("--noise", arguments.noise, "of the simulated cameras, standard deviation in grey levels of 255")
+  command.add_option("--noise", world.noise, "of the simulated cameras, standard deviation in grey levels of 255")
       ->check(CLI::Range(0.0, 64.0))
       ->type_name("SIGMA");
-  command.add_flag("--clutter", arguments.clutter, "hang a textured wall with a bright window and coloured boxes");
-  command
-      .add_option("--dot", arguments.dot, "the laser's colour: red, green or blue [the one that the retina looks for]")
+  command.add_flag("--clutter", world.clutter, "hang a textured wall with a bright window and coloured boxes");
+  command.add_option("--dot", world.dot, "the laser's colour: red, green or blue [the one that the retina looks for]")
       ->check(CLI::IsMember({"red", "green", "blue"}));
 }
 
@@ -121,27 +116,15 @@ void add_output_options(CLI::App& command, RunArguments& arguments) {
 }
 
 SimulatedRunOptions simulation_of(const SpikeImage& image, const RunArguments& arguments) {
-  SimulatedRunOptions options;
-  options.head = fitted_to(image, options.head);
-  options.duration_s = arguments.duration_s > 0 ? arguments.duration_s : kDefaultDurationS;
+  SimulatedWorld world = arguments.world;
+  world.duration_s = arguments.duration_s > 0 ? arguments.duration_s : world.duration_s;
+  world.frame_rate_hz = arguments.frame_rate_hz > 0 ? arguments.frame_rate_hz : world.frame_rate_hz;
+  if (arguments.to_deg.size() == 2) {
+    world.to_deg = {arguments.to_deg[0], arguments.to_deg[1]};
+  }
+  SimulatedRunOptions options = world_options(image, world);
   options.sample_rate_hz = arguments.sample_rate_hz;
   options.learns = arguments.learns;
-  SimHeadParams& head = options.head;
-  head.seed = arguments.seed;
-  const double rate_hz = arguments.frame_rate_hz > 0 ? arguments.frame_rate_hz : kDefaultFrameRateHz;
-  head.frame_period_ns = static_cast<TimeNs>(std::llround(1e9 / rate_hz));
-  head.camera_latency_frames = arguments.camera_latency_frames;
-  head.scenario.kind = scenario_from_name(arguments.scenario).value_or(ScenarioKind::Random);
-  head.scenario.random_hold_s = arguments.hold_s;
-  head.camera.width_px = arguments.resolution_px;
-  head.camera.height_px = arguments.resolution_px;
-  head.camera.noise_sigma = arguments.noise;
-  head.camera.clutter = arguments.clutter;
-  if (!arguments.dot.empty()) {
-    head.camera.dot_colour = arguments.dot == "green"  ? DotColour::Green
-                             : arguments.dot == "blue" ? DotColour::Blue
-                                                       : DotColour::Red;
-  }
   return options;
 }
 

@@ -129,14 +129,14 @@ TEST_CASE("images are compared by pathway, without knowing projections") {
 TEST_CASE("one weight of the shipped circuit, halved, is named with its parameter") {
   const std::string text = oculomotor_text();
   const CircuitView circuit = compiled_view(text);
-  const std::string half = edited(text, "\"0.0332 nA\"", "\"0.0166 nA\"");
+  const std::string half = edited(text, "\"0.01884 nA\"", "\"0.00942 nA\"");
   const StructureDiff diff = diff_structure(circuit, compiled_view(half));
   REQUIRE_FALSE(diff.changes.empty());
   CHECK(diff.changes.front().name == "w_ifn_llbn");
   for (const Change& change : diff.changes) {
     CAPTURE(change.name);
     const bool is_named =
-        change.name == "w_ifn_llbn" || change.because == "w_ifn_llbn is 0.0166 nA instead of 0.0332 nA";
+        change.name == "w_ifn_llbn" || change.because == "w_ifn_llbn is 0.00942 nA instead of 0.01884 nA";
     CHECK(is_named);
   }
 }

@@ -1,5 +1,4 @@
-// Tests of circuits as data: what NAME.test.json says. The language is described in circuits/README.md, its shape in
-// circuits/schema/test.schema.json.
+// Tests of circuits as data: what NAME.test.json says. The language is described in circuits/README.md.
 #pragma once
 
 #include <cstdint>

@@ -97,15 +97,14 @@ void EyeCamera::draw_background(const EyePose& pose, std::uint64_t sequence) {
   }
 }
 
-void EyeCamera::draw_dot(const EyePose& pose, const WallPoint& dot_m) {
+void EyeCamera::draw_dot(const EyePose& pose, const Eigen::Vector3d& dot_m) {
   dirty_ = {};
-  const Eigen::Vector3d on_wall = wall_to_base(geometry_, dot_m);
   PixelPoint middle;
-  if (!project(pose, on_wall, middle)) {
+  if (!project(pose, dot_m, middle)) {
     return;
   }
   // How the picture's point moves with the wall's, px/m: the disc on the wall becomes an ellipse.
-  const Eigen::Vector3d q = pose.axes.transpose() * (on_wall - pose.position_m);
+  const Eigen::Vector3d q = pose.axes.transpose() * (dot_m - pose.position_m);
   const double k = focal_px_ / (q.z() * q.z());
   Eigen::Matrix2d jacobian;
   for (int column = 0; column < 2; ++column) {
@@ -152,6 +151,10 @@ void EyeCamera::draw_dot(const EyePose& pose, const WallPoint& dot_m) {
 }
 
 const cv::Mat& EyeCamera::render(const EyePose& pose, const WallPoint& dot_m, std::uint64_t sequence) {
+  return render_in_depth(pose, wall_to_base(geometry_, dot_m), sequence);
+}
+
+const cv::Mat& EyeCamera::render_in_depth(const EyePose& pose, const Eigen::Vector3d& dot_m, std::uint64_t sequence) {
   draw_background(pose, sequence);
   draw_dot(pose, dot_m);
   return picture_;

@@ -54,6 +54,8 @@ class EyeCamera {
 
   /// The picture for a pose; noise depends on `sequence` alone. It stays until the next call.
   const cv::Mat& render(const EyePose& pose, const WallPoint& dot_m, std::uint64_t sequence);
+  /// With the dot on a screen before the wall, parallel to it: a point of the head-base frame.
+  const cv::Mat& render_in_depth(const EyePose& pose, const Eigen::Vector3d& dot_m, std::uint64_t sequence);
 
   /// Where a point of the head-base frame falls in the picture. False when it lies behind the camera.
   [[nodiscard]] bool project(const EyePose& pose, const Eigen::Vector3d& point_m, PixelPoint& out) const;
@@ -61,7 +63,7 @@ class EyeCamera {
 
  private:
   void draw_background(const EyePose& pose, std::uint64_t sequence);
-  void draw_dot(const EyePose& pose, const WallPoint& dot_m);
+  void draw_dot(const EyePose& pose, const Eigen::Vector3d& dot_m);
 
   EyeCameraParams params_;
   HeadGeometry geometry_;

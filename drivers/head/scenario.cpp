@@ -63,24 +63,36 @@ std::array<double, 2> Scenario::target_m(TimeNs time_ns) {
     case ScenarioKind::Random:
       return random_place(static_cast<std::size_t>(time_s / params_.random_hold_s));
     case ScenarioKind::Path:
-      return on_path(time_s);
+      return on_path(time_s).at_m;
   }
   return {};
 }
 
-std::array<double, 2> Scenario::on_path(double time_s) const {
+double Scenario::target_distance_m(TimeNs time_ns) const {
+  return params_.kind == ScenarioKind::Path
+             ? on_path(static_cast<double>(std::max<TimeNs>(time_ns, 0)) * 1e-9).distance_m
+             : params_.wall_distance_m;
+}
+
+PathPoint Scenario::on_path(double time_s) const {
+  const auto with_plane = [&](PathPoint point) {
+    point.distance_m = point.distance_m > 0 ? point.distance_m : params_.wall_distance_m;
+    return point;
+  };
   const auto after = std::upper_bound(params_.path.begin(), params_.path.end(), time_s,
                                       [](double t, const PathPoint& point) { return t < point.time_s; });
   if (params_.path.empty() || after == params_.path.begin()) {
-    return params_.path.empty() ? std::array<double, 2>{} : after->at_m;
+    return with_plane(params_.path.empty() ? PathPoint{} : *after);
   }
-  const PathPoint& from = *std::prev(after);
+  const PathPoint from = with_plane(*std::prev(after));
   if (after == params_.path.end()) {
-    return from.at_m;
+    return from;
   }
-  const double share = (time_s - from.time_s) / (after->time_s - from.time_s);
-  return {from.at_m[0] + share * (after->at_m[0] - from.at_m[0]),
-          from.at_m[1] + share * (after->at_m[1] - from.at_m[1])};
+  const PathPoint to = with_plane(*after);
+  const double share = (time_s - from.time_s) / (to.time_s - from.time_s);
+  return {time_s,
+          {from.at_m[0] + share * (to.at_m[0] - from.at_m[0]), from.at_m[1] + share * (to.at_m[1] - from.at_m[1])},
+          from.distance_m + share * (to.distance_m - from.distance_m)};
 }
 
 std::array<double, 2> Scenario::on_circle(double turn) const {

@@ -35,6 +35,7 @@ inline constexpr std::array<const char*, 5> kScenarioNames = {"hold", "step", "c
 struct PathPoint {
   double time_s = 0;
   std::array<double, 2> at_m{};
+  double distance_m = 0;  // of a screen carried before the wall; 0: on the wall
 };
 
 /// Lengths on the wall in metres, right and up of the point straight ahead.
@@ -70,12 +71,14 @@ class Scenario {
   explicit Scenario(const ScenarioParams& params);
 
   [[nodiscard]] std::array<double, 2> target_m(TimeNs time_ns);
+  /// From the head's origin to the plane that the dot is on: the wall, except where a path says otherwise.
+  [[nodiscard]] double target_distance_m(TimeNs time_ns) const;
 
  private:
   [[nodiscard]] std::array<double, 2> on_circle(double turn) const;
   [[nodiscard]] std::array<double, 2> chirp_m(double time_s) const;
   [[nodiscard]] std::array<double, 2> random_place(std::size_t index);
-  [[nodiscard]] std::array<double, 2> on_path(double time_s) const;
+  [[nodiscard]] PathPoint on_path(double time_s) const;
 
   ScenarioParams params_;
   double chirp_cycle_s_ = 0;

@@ -54,7 +54,8 @@ struct SimHead::Impl {
 
     void draw(const HeadExposure& exposure, Frame& out) noexcept {
       const EyePose pose = eye_pose(world_.params.geometry, exposure.joint_deg, eye_);
-      const cv::Mat& picture = renderer_.render(pose, exposure.target_m, exposure.sequence);
+      const cv::Mat& picture = renderer_.render_in_depth(
+          pose, {exposure.target_m[0], exposure.target_m[1], exposure.target_distance_m}, exposure.sequence);
       const TimeNs captured_ns = static_cast<TimeNs>(exposure.sequence) * world_.params.frame_period_ns;
       out = {picture.data, picture.cols, picture.rows, picture.step, captured_ns, exposure.sequence};
     }
@@ -83,7 +84,8 @@ struct SimHead::Impl {
   void expose() {
     const TimeNs at_ns = static_cast<TimeNs>(next_exposure) * params.frame_period_ns;
     advance_servos(at_ns);
-    exposures[next_exposure % kKept] = {next_exposure, joints(at_ns), scenario.target_m(at_ns)};
+    exposures[next_exposure % kKept] = {next_exposure, joints(at_ns), scenario.target_m(at_ns),
+                                        scenario.target_distance_m(at_ns)};
     ++next_exposure;
   }
 
@@ -151,7 +153,8 @@ HeadTruth SimHead::truth_at_now() {
   truth.time_ns = impl_->now_ns;
   truth.joint_deg = impl_->joints(truth.time_ns);
   truth.target_on_wall_m = impl_->scenario.target_m(truth.time_ns);
-  const Eigen::Vector3d target_m = wall_to_base(geometry, truth.target_on_wall_m);
+  const Eigen::Vector3d target_m = {truth.target_on_wall_m[0], truth.target_on_wall_m[1],
+                                    impl_->scenario.target_distance_m(truth.time_ns)};
   for (const Eye eye : {Eye::Left, Eye::Right}) {
     const EyePose pose = eye_pose(geometry, truth.joint_deg, eye);
     const Direction target = direction_from_eye(pose, target_m);

@@ -42,8 +42,8 @@ struct EyeGaze {
 
 struct HeadTruth {
   TimeNs time_ns = 0;
-  JointAngles joint_deg{};  // the shafts, not what the servos report
-  WallPoint target_on_wall_m{};
+  JointAngles joint_deg{};       // the shafts, not what the servos report
+  WallPoint target_on_wall_m{};  // on the dot's own plane, where a path carries it before the wall
   std::array<EyeGaze, kEyeCount> eye{};
 };
 
@@ -52,6 +52,7 @@ struct HeadExposure {
   std::uint64_t sequence = 0;
   JointAngles joint_deg{};
   WallPoint target_m{};
+  double target_distance_m = 0;  // of the plane that target_m is on
 };
 
 class SimHead final : public ServoBus, public Clock {

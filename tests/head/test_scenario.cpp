@@ -124,4 +124,10 @@ TEST_CASE("a path is followed in straight lines, rests at its ends, and jumps be
   CHECK(scenario.target_m(3 * kSecond) == std::array{0.4, -0.1});
   CHECK(scenario.target_m(9 * kSecond) == std::array{0.4, -0.1});
   CHECK(Scenario(of_kind(ScenarioKind::Path)).target_m(kSecond) == std::array{0.0, 0.0});
+  CHECK(scenario.target_distance_m(kSecond) == params.wall_distance_m);
+  params.path = {{1, {0, 0}, 0.3}, {3, {0, 0}}};
+  CHECK(Scenario(params).target_distance_m(0) == 0.3);
+  CHECK(Scenario(params).target_distance_m(2 * kSecond) == doctest::Approx((0.3 + params.wall_distance_m) / 2));
+  CHECK(Scenario(params).target_distance_m(9 * kSecond) == params.wall_distance_m);
+  CHECK(Scenario(of_kind(ScenarioKind::Step)).target_distance_m(kSecond) == params.wall_distance_m);
 }

@@ -51,12 +51,15 @@ class Reference {
       const HeadExposure& exposure = exposures[index_of(eye)];
       const auto& joints = kEyeJoints[index_of(eye)];
       if (controller_.kind == ReferenceKind::Oracle) {
-        const Direction wanted = eye_angles_towards(params_.geometry, 0, 0, eye, exposure.target_m);
+        HeadGeometry with_plane = params_.geometry;
+        with_plane.wall_distance_m = exposure.target_distance_m;
+        const Direction wanted = eye_angles_towards(with_plane, 0, 0, eye, exposure.target_m);
         goal_deg[index_of(joints[0])] = wanted.pan_deg;
         goal_deg[index_of(joints[1])] = wanted.tilt_deg;
       }
       const EyePose pose = eye_pose(params_.geometry, exposure.joint_deg, eye);
-      error[index_of(eye)] = error_in_eye(pose, wall_to_base(params_.geometry, exposure.target_m));
+      error[index_of(eye)] =
+          error_in_eye(pose, {exposure.target_m[0], exposure.target_m[1], exposure.target_distance_m});
       const double half_view_deg = params_.camera.field_of_view_deg / 2;
       is_in_view[index_of(eye)] = std::abs(error[index_of(eye)].pan_deg) < half_view_deg &&
                                   std::abs(error[index_of(eye)].tilt_deg) < half_view_deg;

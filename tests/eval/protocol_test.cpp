@@ -41,6 +41,20 @@ TEST_CASE("the gains of the nearest latency are taken") {
   CHECK(pid_gains(*found.protocol, 4).p == 0.5);
 }
 
+TEST_CASE("a protocol of one kind of movement needs its sizes and no target") {
+  const std::string head = R"({"tectum_protocol": 1, "kind": "saccades")";
+  const ReadProtocol found = read_protocol_text("p.json", head + R"(, "sizes": ["5 deg", "10 deg"]})");
+  REQUIRE_MESSAGE(found.protocol.has_value(), found.problems);
+  CHECK(found.protocol->movement.sizes_deg == std::vector<double>{5, 10});
+  const ReadProtocol without = read_protocol_text("p.json", head + "}");
+  CHECK_FALSE(without.protocol.has_value());
+  CHECK(without.problems.find("sizes") != std::string::npos);
+  const ReadProtocol ramps = read_protocol_text(
+      "p.json", R"({"tectum_protocol": 1, "kind": "pursuit", "speeds": ["5 deg/s"], "periods": []})");
+  REQUIRE_MESSAGE(ramps.protocol.has_value(), ramps.problems);
+  CHECK(ramps.protocol->movement.speeds_deg_s.at(0) == doctest::Approx(5));
+}
+
 TEST_CASE("what is wrong in a protocol is reported where it stands") {
   struct Case {
     std::string rest;

@@ -40,6 +40,7 @@ class ProtocolReader {
   std::vector<JsonId> list(JsonId id, std::string_view what);
 
   void read_trials(ObjectReader& in);
+  void read_movement(ObjectReader& in);
   void read_target(JsonId id);
   void read_pid(JsonId id);
   void read_tuning(JsonId id);
@@ -229,6 +230,33 @@ void ProtocolReader::read_trials(ObjectReader& in) {
   }
 }
 
+void ProtocolReader::read_movement(ObjectReader& in) {
+  struct List {
+    ProtocolKind kind;
+    const char* key;
+    const Dimension& dimension;
+    Limits limits;
+    double scale;
+    std::vector<double> MovementSizes::*field;
+  };
+  for (const List& list :
+       {List{ProtocolKind::Saccades, "sizes", kAngle, {0.2, 60}, 1, &MovementSizes::sizes_deg},
+        List{ProtocolKind::Gaze, "sizes", kAngle, {1, 80}, 1, &MovementSizes::sizes_deg},
+        List{ProtocolKind::Pursuit, "speeds", kAngularVelocity, {0.0001, 0.2}, 1000, &MovementSizes::speeds_deg_s},
+        List{ProtocolKind::Pursuit, "periods", kTime, {200, 1e5}, kSPerMs, &MovementSizes::periods_s},
+        List{ProtocolKind::Vergence, "distances", kLength, {0.15, 10}, 1, &MovementSizes::distances_m},
+        List{ProtocolKind::Fixation, "dot_radii", kLength, {1e-4, 0.2}, 1, &MovementSizes::radii_m}}) {
+    if (protocol_.kind == list.kind) {
+      std::vector<double>& found = protocol_.movement.*list.field;
+      found = numbers(in, list.key, list.dimension, list.limits, {});
+      std::for_each(found.begin(), found.end(), [&](double& value) { value *= list.scale; });
+      if (!in.has(list.key)) {
+        in.report_missing(list.key);
+      }
+    }
+  }
+}
+
 Protocol ProtocolReader::read() {
   ObjectReader in(tree_, tree_.root(), "the protocol", diagnostics());
   if (!in.is_object()) {
@@ -240,8 +268,10 @@ Protocol ProtocolReader::read() {
   (void)whole(in, "tectum_protocol", {kProtocolVersion, kProtocolVersion}, kProtocolVersion);
   protocol_.name = in.text("name");
   protocol_.about = in.text("about");
-  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind", {"tracking", "physiology", "learning"}));
+  protocol_.kind = static_cast<ProtocolKind>(
+      word(in, "kind", {"tracking", "physiology", "learning", "saccades", "pursuit", "vergence", "gaze", "fixation"}));
   read_trials(in);
+  read_movement(in);
   using Read = void (ProtocolReader::*)(JsonId);
   for (const auto& [key, read] : {std::pair<const char*, Read>{"target", &ProtocolReader::read_target},
                                   {"pid", &ProtocolReader::read_pid},
@@ -253,7 +283,8 @@ Protocol ProtocolReader::read() {
       (this->*read)(id);
     }
   }
-  if (!in.has("target")) {
+  // The movement protocols make their own targets out of their lists.
+  if (!in.has("target") && (protocol_.kind == ProtocolKind::Tracking || protocol_.kind == ProtocolKind::Physiology)) {
     in.report_missing("target");
   }
   in.finish();

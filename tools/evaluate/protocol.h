@@ -52,13 +52,23 @@ struct LearningPlan {
   std::uint64_t first_seed = 2000;      // of the training
 };
 
-enum class ProtocolKind { Tracking, Physiology, Learning };
+enum class ProtocolKind { Tracking, Physiology, Learning, Saccades, Pursuit, Vergence, Gaze, Fixation };
+
+/// What the dot does in the protocols that measure one kind of movement each (tools/evaluate/movements.h).
+struct MovementSizes {
+  std::vector<double> sizes_deg;     // saccades, gaze: how far
+  std::vector<double> speeds_deg_s;  // pursuit: ramps
+  std::vector<double> periods_s;     // pursuit: sinusoids
+  std::vector<double> distances_m;   // vergence: of the screen that the dot jumps to from the wall
+  std::vector<double> radii_m;       // fixation: of the dot
+};
 
 struct Protocol {
   std::string name;
   std::string about;
   ProtocolKind kind = ProtocolKind::Tracking;
   ScenarioParams scenario;
+  MovementSizes movement;
   double wall_distance_m = 0.55;
   double servo_speed_deg_s = 0;  // 0: as fast as the servo can
   double frame_rate_hz = 45;

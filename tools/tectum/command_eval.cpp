@@ -5,8 +5,10 @@
 #include <fstream>
 #include <memory>
 
+#include "tools/evaluate/evaluation_report.h"
 #include "tools/evaluate/evaluation_text.h"
 #include "tools/evaluate/learning_evaluation.h"
+#include "tools/evaluate/movements.h"
 #include "tools/evaluate/physiology.h"
 #include "tools/evaluate/protocol.h"
 #include "tools/evaluate/tracking_evaluation.h"
@@ -26,6 +28,7 @@ struct EvalArguments {
   int trials = 0;
   double duration_s = 0;
   unsigned threads = 0;
+  std::string report_path;
   bool tunes_pid = false;
 };
 
@@ -94,6 +97,34 @@ std::vector<SpikeImage> load_circuits(const EvalArguments& arguments, CommandCon
 
 std::string name_of(const SpikeImage& image) { return std::string(image.name(image.header.circuit_name)); }
 
+bool write_text(const std::string& path, const std::string& text, CommandContext& context) {
+  std::error_code error;
+  const fs::path parent = fs::path(path).parent_path();
+  if (!parent.empty()) {
+    fs::create_directories(parent, error);
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    context.err << fmt::format("tectum: cannot write {}\n", path);
+    context.exit_status = kExitTrouble;
+    return false;
+  }
+  return true;
+}
+
+/// The page of the only circuit, where one is asked for.
+void report(const EvalArguments& arguments, const std::string& html, CommandContext& context) {
+  if (write_text(arguments.report_path, html, context)) {
+    context.err << fmt::format("report: {}\n", arguments.report_path);
+  }
+}
+
+EvaluationTitle title_of(const EvalArguments& arguments, const SpikeImage& image) {
+  return {name_of(image), fmt::format("tectum eval {} --protocol {}", arguments.circuit.path, arguments.protocol)};
+}
+
 /// JSON of one circuit is an object, of several a list of such.
 std::string json_of(const std::vector<std::string>& circuits) {
   return circuits.size() == 1 ? circuits.front() + '\n' : fmt::format("[\n{}\n]\n", fmt::join(circuits, ",\n"));
@@ -107,6 +138,10 @@ void compare_tracking(const EvalArguments& arguments, const Protocol& protocol, 
       watch((static_cast<double>(i) + done) / static_cast<double>(images.size()));
     };
     circuits.push_back({name_of(images[i]), evaluate_tracking(images[i], protocol, arguments.threads, watch_one)});
+  }
+  if (!arguments.report_path.empty()) {
+    report(arguments, tracking_report(title_of(arguments, images.front()), protocol, circuits.front().evaluation),
+           context);
   }
   if (arguments.circuit.format != "json") {
     context.out << tracking_text(protocol, circuits);
@@ -124,6 +159,9 @@ void measure_physiology(const EvalArguments& arguments, const Protocol& protocol
   std::vector<std::string> parts;
   for (const SpikeImage& image : images) {
     const std::vector<Yardstick> yardsticks = physiology(image, protocol, arguments.threads, watch);
+    if (!arguments.report_path.empty()) {
+      report(arguments, physiology_report(title_of(arguments, image), protocol, yardsticks), context);
+    }
     if (arguments.circuit.format == "json") {
       parts.push_back(physiology_json(protocol, name_of(image), yardsticks));
     } else {
@@ -140,6 +178,9 @@ void measure_learning(const EvalArguments& arguments, const Protocol& protocol, 
   std::vector<std::string> parts;
   for (const SpikeImage& image : images) {
     const std::vector<LearningResult> results = evaluate_learning(image, protocol, arguments.threads, watch);
+    if (!arguments.report_path.empty()) {
+      report(arguments, text_report(title_of(arguments, image), protocol, learning_text(protocol, results)), context);
+    }
     if (arguments.circuit.format == "json") {
       parts.push_back(learning_json(protocol, name_of(image), results));
     } else {
@@ -151,7 +192,31 @@ void measure_learning(const EvalArguments& arguments, const Protocol& protocol, 
   }
 }
 
+void measure_one_kind(const EvalArguments& arguments, const Protocol& protocol, const std::vector<SpikeImage>& images,
+                      const std::function<void(double)>& watch, CommandContext& context) {
+  std::vector<std::string> parts;
+  for (const SpikeImage& image : images) {
+    const MeasuredProtocol measured = measure_movements(image, protocol, arguments.threads, watch);
+    if (!arguments.report_path.empty()) {
+      report(arguments, measures_report(title_of(arguments, image), protocol, measured), context);
+    }
+    if (arguments.circuit.format == "json") {
+      parts.push_back(measures_json(protocol.name, name_of(image), measured.tables));
+    } else {
+      context.out << (images.size() > 1 ? name_of(image) + '\n' : "") << measures_text(measured.tables);
+    }
+  }
+  if (!parts.empty()) {
+    context.out << json_of(parts);
+  }
+}
+
 void run(const EvalArguments& arguments, CommandContext& context) {
+  if (!arguments.report_path.empty() && !arguments.others.empty()) {
+    context.err << "tectum: --report is for one circuit at a time\n";
+    context.exit_status = kExitTrouble;
+    return;
+  }
   const std::optional<Protocol> protocol = load_protocol(arguments, context);
   if (!protocol) {
     return;
@@ -178,6 +243,8 @@ void run(const EvalArguments& arguments, CommandContext& context) {
     measure_physiology(arguments, *protocol, images, watch, context);
   } else if (protocol->kind == ProtocolKind::Learning) {
     measure_learning(arguments, *protocol, images, watch, context);
+  } else if (protocol->kind != ProtocolKind::Tracking) {
+    measure_one_kind(arguments, *protocol, images, watch, context);
   } else {
     compare_tracking(arguments, *protocol, images, watch, context);
   }
@@ -204,6 +271,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       ->add_option("--threads", arguments->threads, "trials side by side; never changes a result [one for each core]")
       ->check(CLI::Range(1U, 1024U))
       ->type_name("N");
+  command->add_option("--report", arguments->report_path, "write a self-contained HTML report")->type_name("FILE");
   command->add_flag("--tune-pid", arguments->tunes_pid,
                     "instead: search the protocol's grid for the best PID servo, on the tuning seeds");
   command->footer(
@@ -214,6 +282,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       "  tectum eval circuits/oculomotor.json circuits/balachandar2020.json circuits/polykretis2022.json   side by "
       "side\n"
       "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
+      "  tectum eval circuits/oculomotor.json --protocol saccades --report out/saccades.html\n"
       "  tectum eval circuits/oculomotor.json --protocol paper --tune-pid      how the PID servo's gains were found\n");
   command->callback([arguments, &context] { run(*arguments, context); });
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "runtime/engine/group_parameters.h"
@@ -29,6 +30,22 @@ inline void add_run(std::int32_t* inputs, const SynapseRun& run) noexcept {
   const std::int32_t* weight = run.weight;
   for (const std::uint32_t* target = run.target; target != run.end; ++target, ++weight) {
     inputs[*target] = add_quanta(inputs[*target], *weight);
+  }
+}
+
+/// The same where the targets follow each other without a gap: a loop over vectors.
+inline void add_dense_run(std::int32_t* inputs, const SynapseRun& run) noexcept {
+  std::int32_t* const first = inputs + *run.target;
+  const auto count = static_cast<std::size_t>(run.end - run.target);
+  if (run.has_one_weight) {
+    const std::int32_t weight = *run.weight;
+    for (std::size_t t = 0; t < count; ++t) {
+      first[t] = add_quanta(first[t], weight);
+    }
+    return;
+  }
+  for (std::size_t t = 0; t < count; ++t) {
+    first[t] = add_quanta(first[t], run.weight[t]);
   }
 }
 

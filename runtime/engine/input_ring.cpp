@@ -7,6 +7,7 @@ namespace tectum {
 InputRing::InputRing(const SpikeImage& image, const UpdateGroups& groups, std::uint32_t tick_count)
     : image_(image),
       ranges_(image),
+      reach_(image, ranges_, groups),
       stride_(image.header.slot_count),
       group_words_((groups.size() + kWordBits - 1) / kWordBits),
       inputs_(stride_ * tick_count),
@@ -54,11 +55,9 @@ void InputRing::deliver_run(std::uint32_t k, const SlotRange& range, const Synap
   }
 }
 
-void InputRing::deliver(std::uint32_t k, std::uint32_t index) noexcept {
-  const SegmentRecord& segment = image_.segments[index];
-  const std::uint32_t* const end = image_.targets.data() + image_.segments[index + 1].target_begin;
-  SynapseRun run{image_.targets.data() + segment.target_begin, end, image_.weights.data() + segment.weight_begin,
-                 (segment.flags & kSegmentOneWeight) != 0};
+// Where a group wants to know who was touched, its own part of the segment is told to it.
+void InputRing::deliver_runs(std::uint32_t k, SynapseRun run) noexcept {
+  const std::uint32_t* const end = run.end;
   const std::uint32_t last = end[-1];
   while (true) {
     const SlotRange& range = ranges_.of(*run.target);
@@ -69,6 +68,27 @@ void InputRing::deliver(std::uint32_t k, std::uint32_t index) noexcept {
     }
     run.weight += run.has_one_weight ? 0 : run.end - run.target;
     run.target = run.end;
+  }
+}
+
+void InputRing::deliver(std::uint32_t k, std::uint32_t index) noexcept {
+  const SegmentRecord& segment = image_.segments[index];
+  const SynapseRun run{image_.targets.data() + segment.target_begin,
+                       image_.targets.data() + image_.segments[index + 1].target_begin,
+                       image_.weights.data() + segment.weight_begin, (segment.flags & kSegmentOneWeight) != 0};
+  if (reach_.wants_marks(index)) {
+    deliver_runs(k, run);
+    return;
+  }
+  const std::span<const std::uint64_t> reached = reach_.groups(index);
+  for (std::size_t w = 0; w < reached.size(); ++w) {
+    groups_with_input(k, w) |= reached[w];
+  }
+  std::int32_t* const inputs = inputs_.data() + k * stride_;
+  if (reach_.is_dense(index)) {
+    add_dense_run(inputs, run);
+  } else {
+    add_run(inputs, run);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "runtime/engine/aligned_vector.h"
 #include "runtime/engine/delivery.h"
 #include "runtime/engine/runner.h"
+#include "runtime/engine/segment_reach.h"
 #include "runtime/engine/slot_ranges.h"
 
 namespace tectum {
@@ -46,10 +47,12 @@ class InputRing {
  private:
   static constexpr std::uint32_t kNotMarked = 0xFFFFFFFFU;
 
+  void deliver_runs(std::uint32_t k, SynapseRun run) noexcept;
   void deliver_run(std::uint32_t k, const SlotRange& range, const SynapseRun& run) noexcept;
 
   const SpikeImage& image_;
   SlotRanges ranges_;
+  SegmentReach reach_;
   std::size_t stride_;
   std::size_t group_words_;
   std::uint32_t marked_count_ = 0;          // groups that want marks

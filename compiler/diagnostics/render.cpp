@@ -132,7 +132,7 @@ std::string render_text(const Diagnostics& diagnostics, const Sources& sources) 
   return text;
 }
 
-std::string render_json(const Diagnostics& diagnostics, const Sources& sources) {
+std::string render_json(const Diagnostics& diagnostics, const Sources& sources, std::string_view members) {
   std::string text = "{\"diagnostics\": [";
   bool is_first = true;
   for (const Diagnostic& d : diagnostics.all()) {
@@ -140,8 +140,9 @@ std::string render_json(const Diagnostics& diagnostics, const Sources& sources) 
     text += json_diagnostic(d, sources);
     is_first = false;
   }
-  return text + fmt::format("{}], \"errors\": {}, \"warnings\": {}}}\n", is_first ? "" : "\n",
-                            diagnostics.error_count(), diagnostics.warning_count());
+  return text + fmt::format("{}], \"errors\": {}, \"warnings\": {}{}{}}}\n", is_first ? "" : "\n",
+                            diagnostics.error_count(), diagnostics.warning_count(), members.empty() ? "" : ",\n ",
+                            members);
 }
 
 }  // namespace tectum

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "compiler/diagnostics/diagnostic.h"
 
@@ -12,7 +13,9 @@ namespace tectum {
 
 /// One JSON object: {"diagnostics": [{code, name, severity, message, file, line, column, end_line, end_column,
 /// begin, end, labels, help}], "errors": n, "warnings": n}. Lines and columns count from 1, offsets are bytes.
-[[nodiscard]] std::string render_json(const Diagnostics& diagnostics, const Sources& sources);
+/// `members`, unless empty, are further members of the object, already JSON.
+[[nodiscard]] std::string render_json(const Diagnostics& diagnostics, const Sources& sources,
+                                      std::string_view members = {});
 
 /// `text` as a JSON string, with its quotes.
 [[nodiscard]] std::string json_quoted(std::string_view text);

@@ -5,33 +5,43 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
+
+#include "compiler/elaborate/mirror_partner.h"
 
 namespace tectum {
 namespace {
 
 constexpr std::uint32_t kNoImage = 0xFFFFFFFFU;
 
+/// A pair of sides that a mirror swaps, and the axes that have them.
+struct MirrorPlane {
+  std::pair<std::string, std::string> sides;
+  std::vector<AxisId> axes;  // may be empty: populations are then paired by name
+};
+
 class Mirror {
  public:
-  Mirror(const Circuit& circuit, const Network& network, std::vector<AxisId> axes)
-      : circuit_(circuit), network_(network), axes_(std::move(axes)) {
-    const std::vector<std::string>& sides = circuit.axes[index_of(axes_.front())].sides;
-    flips_x_ = std::set<std::string>(sides.begin(), sides.end()) == std::set<std::string>{"left", "right"};
-    flips_y_ = std::set<std::string>(sides.begin(), sides.end()) == std::set<std::string>{"down", "up"};
+  Mirror(const Circuit& circuit, const Network& network, MirrorPlane plane)
+      : circuit_(circuit),
+        network_(network),
+        plane_(std::move(plane)),
+        partner_(mirror_partners(circuit, plane_.axes, plane_.sides)) {
+    flips_x_ = swaps("left", "right");
+    flips_y_ = swaps("up", "down");
     image_.assign(network.neuron_count(), kNoImage);
     for (std::size_t i = 0; i < circuit.instances.size(); ++i) {
-      map_neurons(i, partner(i));
+      map_neurons(i, partner_[i]);
     }
   }
 
   SymmetryVerdict verdict() {
     SymmetryVerdict verdict;
-    for (const AxisId axis : axes_) {
+    for (const AxisId axis : plane_.axes) {
       verdict.axes += (verdict.axes.empty() ? "" : ", ") + circuit_.axes[index_of(axis)].name;
     }
-    const std::vector<std::string>& sides = circuit_.axes[index_of(axes_.front())].sides;
-    verdict.sides = sides[0] + "/" + sides[1];
+    verdict.sides = plane_.sides.first + "/" + plane_.sides.second;
     for (const Population& population : circuit_.populations) {
       if (differs(population)) {
         verdict.broken_by.push_back("population " + population.name);
@@ -45,21 +55,9 @@ class Mirror {
   }
 
  private:
-  /// The same population with its sides swapped on these axes.
-  std::size_t partner(std::size_t i) const {
-    const Instance& instance = circuit_.instances[i];
-    const Population& population = circuit_.populations[index_of(instance.population)];
-    std::vector<std::uint32_t> sides = instance.sides;
-    for (std::size_t a = 0; a < sides.size(); ++a) {
-      const bool is_swapped = std::find(axes_.begin(), axes_.end(), population.axes[a]) != axes_.end();
-      sides[a] = is_swapped ? 1 - sides[a] : sides[a];
-    }
-    for (std::size_t k = 0; k < population.instance_count; ++k) {
-      if (circuit_.instances[index_of(population.first_instance) + k].sides == sides) {
-        return index_of(population.first_instance) + k;
-      }
-    }
-    return i;
+  [[nodiscard]] bool swaps(const char* a, const char* b) const {
+    return (plane_.sides.first == a && plane_.sides.second == b) ||
+           (plane_.sides.first == b && plane_.sides.second == a);
   }
 
   using Place = std::pair<std::int64_t, std::int64_t>;
@@ -90,7 +88,7 @@ class Mirror {
     for (std::size_t k = 0; k < population.instance_count; ++k) {
       const std::size_t i = index_of(population.first_instance) + k;
       const NetworkPopulation& own = network_.populations[i];
-      const NetworkPopulation& other = network_.populations[partner(i)];
+      const NetworkPopulation& other = network_.populations[partner_[i]];
       for (std::uint32_t n = 0; n < own.size; ++n) {
         if (image_[own.first_neuron + n] == kNoImage) {
           return true;
@@ -126,9 +124,8 @@ class Mirror {
     return true;
   }
 
-  /// (pre and post, receptor and delay, weight), and where it comes from.
   struct Edge {
-    std::array<std::uint64_t, 3> key;
+    std::array<std::uint64_t, 3> key;  // pre and post, receptor and delay, weight
     std::uint32_t pathway;
     friend bool operator<(const Edge& a, const Edge& b) { return a.key < b.key; }
   };
@@ -138,20 +135,77 @@ class Mirror {
     const Pathway& pathway = network_.pathways[synapses.pathway[s]];
     const std::uint32_t pre = is_mirrored ? image_[synapses.pre[s]] : synapses.pre[s];
     const std::uint32_t post = is_mirrored ? image_[synapses.post[s]] : synapses.post[s];
-    const std::int32_t log2 = network_.populations[pathway.post_population].quantum_log2[pathway.receptor];
-    const double weight = std::ldexp(static_cast<double>(synapses.quanta[s]), log2);
     // Quanta of the two sides may differ in size: weights are compared to a millionth of a unit.
+    const double millionths = synapses.quanta[s] * millionths_of_quantum_[synapses.pathway[s]];
     return {{(std::uint64_t{pre} << 32U) | post, (std::uint64_t{pathway.receptor} << 32U) | synapses.delay_ticks[s],
-             static_cast<std::uint64_t>(std::llround(weight * 1e6))},
+             static_cast<std::uint64_t>(std::llrint(millionths))},
             synapses.pathway[s]};
   }
 
-  std::set<std::size_t> unmatched_projections(std::size_t& count) const {
+  /// A sum over a set of synapses that does not depend on their order. Two different sets have the same sum once in
+  /// 2^128, so equal sums are taken for equal sets, and only what differs is sorted and compared synapse by synapse.
+  struct Sum {
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+
+    void add(const Edge& edge) {
+      const std::uint64_t hash = mix(mix(mix(edge.key[0]) + edge.key[1]) + edge.key[2]);
+      low += hash;
+      high += mix(hash + edge.key[0]);
+    }
+    friend bool operator==(const Sum&, const Sum&) = default;
+
+   private:
+    /// The finaliser of SplitMix64: Steele, Lea & Flood 2014, doi:10.1145/2660193.2660195.
+    static std::uint64_t mix(std::uint64_t x) {
+      x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+      x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
+      return x ^ (x >> 31U);
+    }
+  };
+
+  /// Numbers the pairs of populations that synapses join; `mirrored` is the number of the mirrored pair.
+  struct PairsOfPathways {
+    std::vector<std::uint32_t> own;
+    std::vector<std::uint32_t> mirrored;
+    std::size_t count = 0;
+  };
+
+  PairsOfPathways number_pairs() {
+    std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> number_of;
+    const auto number = [&](std::size_t pre, std::size_t post) {
+      return number_of.emplace(std::pair(pre, post), static_cast<std::uint32_t>(number_of.size())).first->second;
+    };
+    PairsOfPathways pairs;
+    for (const Pathway& pathway : network_.pathways) {
+      pairs.own.push_back(number(pathway.pre_population, pathway.post_population));
+      pairs.mirrored.push_back(number(partner_[pathway.pre_population], partner_[pathway.post_population]));
+      const std::int32_t log2 = network_.populations[pathway.post_population].quantum_log2[pathway.receptor];
+      millionths_of_quantum_.push_back(std::ldexp(1e6, log2));
+    }
+    pairs.count = number_of.size();
+    return pairs;
+  }
+
+  std::set<std::size_t> unmatched_projections(std::size_t& count) {
+    const PairsOfPathways pairs = number_pairs();
+    const std::vector<std::uint32_t>& pathway_of = network_.synapses.pathway;
+    std::vector<Sum> own_sums(pairs.count);
+    std::vector<Sum> mirrored_sums(pairs.count);
+    for (std::size_t s = 0; s < pathway_of.size(); ++s) {
+      own_sums[pairs.own[pathway_of[s]]].add(edge(s, false));
+      mirrored_sums[pairs.mirrored[pathway_of[s]]].add(edge(s, true));
+    }
     std::vector<Edge> own;
     std::vector<Edge> mirrored;
-    for (std::size_t s = 0; s < network_.synapses.size(); ++s) {
-      own.push_back(edge(s, false));
-      mirrored.push_back(edge(s, true));
+    const auto differ = [&](std::uint32_t pair) { return own_sums[pair] != mirrored_sums[pair]; };
+    for (std::size_t s = 0; s < pathway_of.size(); ++s) {
+      if (differ(pairs.own[pathway_of[s]])) {
+        own.push_back(edge(s, false));
+      }
+      if (differ(pairs.mirrored[pathway_of[s]])) {
+        mirrored.push_back(edge(s, true));
+      }
     }
     std::sort(own.begin(), own.end());
     std::sort(mirrored.begin(), mirrored.end());
@@ -167,29 +221,48 @@ class Mirror {
 
   const Circuit& circuit_;
   const Network& network_;
-  std::vector<AxisId> axes_;
+  MirrorPlane plane_;
+  std::vector<std::size_t> partner_;  // instance by instance
   bool flips_x_ = false;
   bool flips_y_ = false;
-  std::vector<std::uint32_t> image_;  // neuron by neuron
+  std::vector<std::uint32_t> image_;           // neuron by neuron
+  std::vector<double> millionths_of_quantum_;  // pathway by pathway
 };
+
+/// Axes of the same two sides, in whatever order they list them, are swapped together; left/right and up/down also
+/// where no axis has them, but names.
+std::vector<MirrorPlane> mirror_planes(const Circuit& circuit) {
+  std::vector<MirrorPlane> planes;
+  const auto plane_of = [&](const std::string& a, const std::string& b) {
+    return std::find_if(planes.begin(), planes.end(), [&](const MirrorPlane& plane) {
+      return plane.sides == std::pair(a, b) || plane.sides == std::pair(b, a);
+    });
+  };
+  for (std::size_t a = 0; a < circuit.axes.size(); ++a) {
+    const std::vector<std::string>& sides = circuit.axes[a].sides;
+    if (sides.size() != 2) {
+      continue;
+    }
+    auto plane = plane_of(sides[0], sides[1]);
+    if (plane == planes.end()) {
+      plane = planes.insert(planes.end(), {{sides[0], sides[1]}, {}});
+    }
+    plane->axes.push_back(static_cast<AxisId>(a));
+  }
+  for (const auto& sides : {std::pair<std::string, std::string>("left", "right"), {"up", "down"}}) {
+    if (plane_of(sides.first, sides.second) == planes.end() && has_named_pairs(circuit, sides)) {
+      planes.push_back({sides, {}});
+    }
+  }
+  return planes;
+}
 
 }  // namespace
 
 std::vector<SymmetryVerdict> mirror_symmetry(const Circuit& circuit, const Network& network) {
   std::vector<SymmetryVerdict> verdicts;
-  std::vector<bool> is_done(circuit.axes.size(), false);
-  for (std::size_t a = 0; a < circuit.axes.size(); ++a) {
-    if (is_done[a] || circuit.axes[a].sides.size() != 2) {
-      continue;
-    }
-    std::vector<AxisId> axes;
-    for (std::size_t b = a; b < circuit.axes.size(); ++b) {
-      if (circuit.axes[b].sides == circuit.axes[a].sides) {
-        axes.push_back(static_cast<AxisId>(b));
-        is_done[b] = true;
-      }
-    }
-    verdicts.push_back(Mirror(circuit, network, std::move(axes)).verdict());
+  for (MirrorPlane& plane : mirror_planes(circuit)) {
+    verdicts.push_back(Mirror(circuit, network, std::move(plane)).verdict());
   }
   return verdicts;
 }

@@ -1,10 +1,8 @@
 // tectum check: every mistake in a circuit file.
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "compiler/diagnostics/render.h"
-#include "compiler/elaborate/symmetry.h"
+#include "tools/tectum/check_report.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/provenance_text.h"
 #include "tools/tectum/tectum_main.h"
@@ -17,27 +15,6 @@ struct CheckArguments {
   bool shows_provenance = false;
 };
 
-constexpr std::size_t kNamesShown = 6;
-
-/// "mirror left/right (horizontal): symmetric", or what breaks it.
-std::string symmetry_text(const CompileResult& result) {
-  std::string text;
-  for (const SymmetryVerdict& verdict : mirror_symmetry(*result.circuit, *result.network)) {
-    text += fmt::format("  mirror {} ({}): ", verdict.sides, verdict.axes);
-    if (verdict.is_symmetric()) {
-      text += "symmetric\n";
-      continue;
-    }
-    text += fmt::format("{} of {} synapses without a mirror image; broken by ", verdict.unmatched_synapses,
-                        result.network->synapses.size());
-    const std::size_t shown = std::min(kNamesShown, verdict.broken_by.size());
-    text += fmt::format("{}", fmt::join(verdict.broken_by.begin(),
-                                        verdict.broken_by.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
-    text += shown < verdict.broken_by.size() ? fmt::format(" and {} more\n", verdict.broken_by.size() - shown) : "\n";
-  }
-  return text;
-}
-
 void check(const CheckArguments& check_arguments, CommandContext& context) {
   const CircuitArguments& arguments = check_arguments.circuit;
   const std::optional<Compilation> compilation = compile_file(arguments, compile_options(arguments), context);
@@ -45,16 +22,15 @@ void check(const CheckArguments& check_arguments, CommandContext& context) {
     return;
   }
   const CompileResult& result = compilation->result;
+  const bool is_whole = !compilation->diagnostics.has_errors() && result.network && result.circuit;
   if (arguments.format == "json") {
-    context.out << render_json(compilation->diagnostics, result.sources) << '\n';
+    const std::string members = is_whole ? check_json(result, check_arguments.shows_provenance) : "";
+    context.out << render_json(compilation->diagnostics, result.sources, members) << '\n';
     return;
   }
   print_diagnostics(*compilation, context);
-  if (!compilation->diagnostics.has_errors() && result.network && result.circuit) {
-    context.out << fmt::format("{}: ok, {} populations, {} neurons, {} synapses\n", arguments.path,
-                               result.circuit->instances.size(), result.network->neuron_count(),
-                               result.network->synapses.size());
-    context.out << symmetry_text(result);
+  if (is_whole) {
+    context.out << check_text(arguments.path, result);
     if (check_arguments.shows_provenance) {
       context.out << provenance_text(result);
     }

@@ -1,6 +1,11 @@
 #include "tools/tectum/provenance_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "compiler/diagnostics/render.h"
 
 namespace tectum {
 namespace {
@@ -23,34 +28,83 @@ std::string uncited(const char* kind, const Decls& decls, const Sources& sources
   return fmt::format("{} of {} {} cite no source{}\n{}", count, decls.size(), kind, count == 0 ? "" : ":", lines);
 }
 
+/// Projections without a source, and what they make of the network.
+struct UncitedProjections {
+  std::vector<std::size_t> projections;
+  std::vector<std::size_t> synapses;  // one entry a projection of the circuit, cited or not
+  std::size_t uncited_synapses = 0;
+  double share_percent = 0;
+};
+
+UncitedProjections uncited_projections(const CompileResult& result) {
+  const Network& network = *result.network;
+  UncitedProjections found;
+  found.synapses.assign(result.circuit->projections.size(), 0);
+  for (const std::uint32_t pathway : network.synapses.pathway) {
+    ++found.synapses[index_of(network.pathways[pathway].projection)];
+  }
+  for (std::size_t p = 0; p < found.synapses.size(); ++p) {
+    if (result.circuit->projections[p].cite.empty()) {
+      found.projections.push_back(p);
+      found.uncited_synapses += found.synapses[p];
+    }
+  }
+  const auto total = static_cast<double>(network.synapses.size());
+  found.share_percent = total > 0 ? 100.0 * static_cast<double>(found.uncited_synapses) / total : 0;
+  return found;
+}
+
+std::string place_json(const std::string& name, const Span& span, const Sources& sources) {
+  const SourceFile& file = sources.file(span.file);
+  return fmt::format("\"name\": {}, \"file\": {}, \"line\": {}", json_quoted(name), json_quoted(file.name),
+                     position_of(file.bytes, span.begin).line);
+}
+
+template <typename Decls>
+std::string uncited_json(const char* kind, const Decls& decls, const Sources& sources) {
+  std::vector<std::string> items;
+  for (const auto& decl : decls) {
+    if (decl.provenance.cites.empty()) {
+      items.push_back("{" + place_json(decl.name.text, decl.name.span, sources) + "}");
+    }
+  }
+  return fmt::format("\"{}\": {{\"total\": {}, \"uncited\": [{}]}}", kind, decls.size(), fmt::join(items, ", "));
+}
+
 }  // namespace
 
 std::string provenance_text(const CompileResult& result) {
   const CircuitDecl& decl = *result.decl;
-  const Network& network = *result.network;
-  std::vector<std::size_t> synapses(result.circuit->projections.size(), 0);
-  for (const std::uint32_t pathway : network.synapses.pathway) {
-    ++synapses[index_of(network.pathways[pathway].projection)];
-  }
+  const UncitedProjections found = uncited_projections(result);
   std::string lines;
-  std::size_t count = 0;
-  std::size_t uncited_synapses = 0;
-  for (std::size_t p = 0; p < synapses.size(); ++p) {
+  for (const std::size_t p : found.projections) {
     const Projection& projection = result.circuit->projections[p];
-    if (projection.cite.empty()) {
-      lines += fmt::format("  {:<24} {:>9} synapses  {}\n", projection.name, synapses[p],
-                           place(result.sources, projection.name_span));
-      ++count;
-      uncited_synapses += synapses[p];
-    }
+    lines += fmt::format("  {:<24} {:>9} synapses  {}\n", projection.name, found.synapses[p],
+                         place(result.sources, projection.name_span));
   }
-  const double share = network.synapses.size() == 0 ? 0
-                                                    : 100.0 * static_cast<double>(uncited_synapses) /
-                                                          static_cast<double>(network.synapses.size());
   return uncited("neuron types", decl.neurons, result.sources) +
          uncited("populations", decl.populations, result.sources) +
-         fmt::format("{} of {} projections cite no source, {:.3g} % of {} synapses{}\n{}", count, synapses.size(),
-                     share, network.synapses.size(), count == 0 ? "" : ":", lines);
+         fmt::format("{} of {} projections cite no source, {:.3g} % of {} synapses{}\n{}", found.projections.size(),
+                     found.synapses.size(), found.share_percent, result.network->synapses.size(),
+                     found.projections.empty() ? "" : ":", lines);
+}
+
+std::string provenance_json(const CompileResult& result) {
+  const CircuitDecl& decl = *result.decl;
+  const UncitedProjections found = uncited_projections(result);
+  std::vector<std::string> projections;
+  for (const std::size_t p : found.projections) {
+    const Projection& projection = result.circuit->projections[p];
+    projections.push_back(fmt::format("{{{}, \"synapses\": {}}}",
+                                      place_json(projection.name, projection.name_span, result.sources),
+                                      found.synapses[p]));
+  }
+  return fmt::format(
+      "{{{}, {}, \"projections\": {{\"total\": {}, \"uncited\": [{}]}}, \"uncited_synapses\": {}, "
+      "\"uncited_share_percent\": {:.6g}}}",
+      uncited_json("neuron_types", decl.neurons, result.sources),
+      uncited_json("populations", decl.populations, result.sources), found.synapses.size(),
+      fmt::join(projections, ", "), found.uncited_synapses, found.share_percent);
 }
 
 }  // namespace tectum

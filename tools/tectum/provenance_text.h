@@ -10,4 +10,7 @@ namespace tectum {
 /// synapses the uncited projections make. Needs: a result with its network.
 [[nodiscard]] std::string provenance_text(const CompileResult& result);
 
+/// The same as one JSON object.
+[[nodiscard]] std::string provenance_json(const CompileResult& result);
+
 }  // namespace tectum

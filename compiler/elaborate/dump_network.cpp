@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,16 @@ std::string dump_network(const Network& network, std::size_t max_synapses) {
       text += fmt::format(", {} silenced", population.silenced_neurons.size());
     }
     text += '\n';
+  }
+  if (network.shares_constant_weights) {
+    text += "weights: one for a run of equal ones\n";
+  }
+  if (!network.layout_rank.empty()) {
+    std::vector<std::string> names(network.populations.size());
+    for (std::size_t p = 0; p < names.size(); ++p) {
+      names[network.layout_rank[p]] = network.populations[p].name;
+    }
+    text += fmt::format("layout: {}\n", fmt::join(names, ", "));
   }
   std::vector<std::size_t> counts(network.pathways.size(), 0);
   for (const std::uint32_t pathway : network.synapses.pathway) {

@@ -84,6 +84,8 @@ struct Network {
   std::vector<NetworkRetina> retinas;
   std::vector<Output> outputs;  // a term's instance is an index into populations
   std::vector<JointSetting> joints;
+  bool shares_constant_weights = false;    // the image may store one weight for a run of equal ones
+  std::vector<std::uint32_t> layout_rank;  // of each population in the engine's memory; empty: as written
 
   [[nodiscard]] double tick_ms() const { return static_cast<double>(tick_ns) / 1e6; }
   [[nodiscard]] std::uint32_t neuron_count() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <queue>
+#include <utility>
 
 namespace tectum {
 namespace {
@@ -70,20 +71,24 @@ SameTickOrder same_tick_order(const Network& network) {
       ++open_inputs[network.pathways[p].post_population];
     }
   }
-  std::priority_queue<std::uint32_t, std::vector<std::uint32_t>, std::greater<>> free;
+  using Ranked = std::pair<std::uint32_t, std::uint32_t>;  // layout rank, population
+  std::priority_queue<Ranked, std::vector<Ranked>, std::greater<>> free;
+  const auto set_free = [&](std::uint32_t i) {
+    free.emplace(network.layout_rank.empty() ? i : network.layout_rank[i], i);
+  };
   for (std::uint32_t i = 0; i < open_inputs.size(); ++i) {
     if (open_inputs[i] == 0) {
-      free.push(i);
+      set_free(i);
     }
   }
   SameTickOrder order;
   while (!free.empty()) {
-    const std::uint32_t i = free.top();
+    const std::uint32_t i = free.top().second;
     free.pop();
     order.populations.push_back(i);
     for (const std::uint32_t p : edges[i]) {
       if (--open_inputs[network.pathways[p].post_population] == 0) {
-        free.push(network.pathways[p].post_population);
+        set_free(network.pathways[p].post_population);
       }
     }
   }

@@ -8,7 +8,8 @@
 
 namespace tectum {
 
-/// Populations in an order in which every same-tick synapse leads forward, smallest index first among the free;
+/// Populations in an order in which every same-tick synapse leads forward, among the free the first in the
+/// network's layout;
 /// or, when there is none, the pathways of one cycle.
 struct SameTickOrder {
   std::vector<std::uint32_t> populations;

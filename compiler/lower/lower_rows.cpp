@@ -69,7 +69,8 @@ Rows<Kind> gather_rows(const Network& network, const SlotLayout& layout) {
 template <typename Kind>
 class RowLowering {
  public:
-  RowLowering(ImageContents& image, std::vector<std::uint32_t>& target_of) : image_(image), target_of_(target_of) {}
+  RowLowering(const Network& network, ImageContents& image, std::vector<std::uint32_t>& target_of)
+      : may_share_(network.shares_constant_weights), image_(image), target_of_(target_of) {}
 
   void run(Rows<Kind>& rows) {
     image_.targets.reserve(rows.entries.size());
@@ -106,7 +107,7 @@ class RowLowering {
     segment.target_begin = static_cast<std::uint32_t>(image_.targets.size());
     const bool may_learn = std::any_of(begin, end, [](const Kind& e) { return learns(e); });
     const bool has_one_weight =
-        !may_learn && std::all_of(begin, end, [&](const Entry& e) { return e.quanta == begin->quanta; });
+        may_share_ && !may_learn && std::all_of(begin, end, [&](const Entry& e) { return e.quanta == begin->quanta; });
     if (has_one_weight) {
       segment.flags = kSegmentOneWeight;
       const bool can_share = !image_.weights.empty() && image_.weights.back() == begin->quanta && !last_may_learn_;
@@ -129,6 +130,7 @@ class RowLowering {
     image_.max_delay_ticks = std::max(image_.max_delay_ticks, segment.delay_ticks);
   }
 
+  bool may_share_;  // one weight for a run of equal ones
   ImageContents& image_;
   std::vector<std::uint32_t>& target_of_;
   bool last_may_learn_ = false;  // the segment before this one
@@ -140,11 +142,11 @@ std::vector<std::uint32_t> lower_rows(const Network& network, const SlotLayout& 
   std::vector<std::uint32_t> target_of;
   if (network.rules.empty()) {
     Rows<Entry> rows = gather_rows<Entry>(network, layout);
-    RowLowering<Entry>(image, target_of).run(rows);
+    RowLowering<Entry>(network, image, target_of).run(rows);
   } else {
     target_of.resize(network.synapses.size());
     Rows<TracedEntry> rows = gather_rows<TracedEntry>(network, layout);
-    RowLowering<TracedEntry>(image, target_of).run(rows);
+    RowLowering<TracedEntry>(network, image, target_of).run(rows);
   }
   return target_of;
 }

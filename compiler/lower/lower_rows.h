@@ -17,8 +17,8 @@ struct SlotLayout {
 };
 
 /// Fills row_begin, segments, targets, weights and max_delay_ticks. Synapses of one row with the same delay and slot
-/// keep their order. A run of one weight stores it once, but for weights that learn. Where something learns, returns
-/// which target each synapse has become.
+/// keep their order. Where the network says so, a run of one weight stores it once, but for weights that learn. Where
+/// something learns, returns which target each synapse has become.
 std::vector<std::uint32_t> lower_rows(const Network& network, const SlotLayout& layout, ImageContents& image);
 
 }  // namespace tectum

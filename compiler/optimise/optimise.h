@@ -17,7 +17,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view what;  // one line
   OptimisationLevel from;
-  void (*run)(Network&);
+  std::string (*run)(Network&);  // returns a few words on what it did, or nothing
 };
 
 /// In the order in which they run.
@@ -29,6 +29,7 @@ struct PassStats {
   std::size_t synapses_before = 0;
   std::size_t synapses_after = 0;
   double seconds = 0;
+  std::string note;  // what else is to say, or nothing
 };
 
 /// Runs the passes of `level`; stops after the pass named `stop_after`, when that is not empty.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/diagnostics/diagnostic.h"
+#include "compiler/elaborate/elaborate.h"
 #include "compiler/elaborate/network.h"
 #include "compiler/optimise/optimise.h"
 #include "compiler/parse/circuit_decl.h"
@@ -32,11 +33,14 @@ struct CompileOptions {
   std::vector<std::string> lesions;     // "OPN", "EBN.left", "sc_llbn", "SC*->LLBN"
   std::vector<std::string> parameters;  // "g_sc=0.5 nA"
   SourceReader read = read_source;      // of included and extended files
+  ElaborateProgress progress;           // of the longest stage, the wiring
+  bool measures_memory = false;         // peak memory of each stage
 };
 
 struct StageTime {
   std::string name;
   double seconds = 0;
+  std::uint64_t peak_bytes = 0;  // of the whole process while the stage ran; 0: not measured
 };
 
 /// Every stage's product, as far as the compilation came.

@@ -51,7 +51,12 @@ class Connector {
 
  private:
   bool every_pair() {
+    if (projection_.rule == RuleKind::FixedProbability && !projection_.where && projection_.probability &&
+        projection_.probability->constant) {
+      return pairs_by_chance(*projection_.probability->constant);
+    }
     for (std::uint32_t pre = 0; pre < pre_size_; ++pre) {
+      block_.share_done = static_cast<double>(pre) / pre_size_;
       for (std::uint32_t post = 0; post < post_size_; ++post) {
         if (skips_autapses_ && pre == post) {
           continue;
@@ -62,6 +67,30 @@ class Connector {
       }
     }
     return flush();
+  }
+
+  /// The draws of keep_by_chance() where every pair has the same chance: only what is drawn enters the block.
+  bool pairs_by_chance(double probability) {
+    for (std::uint32_t pre = 0; pre < pre_size_; ++pre) {
+      block_.share_done = static_cast<double>(pre) / pre_size_;
+      const std::uint64_t first_pair = std::uint64_t{pre} * post_size_;
+      for (std::uint32_t post = 0; post < post_size_; ++post) {
+        if (!(random_.uniform(first_pair + post) < probability) || (skips_autapses_ && pre == post)) {
+          continue;
+        }
+        block_.add(pre, post);
+        if (block_.size() == kPairBlockSize && !take_drawn()) {
+          return false;
+        }
+      }
+    }
+    return take_drawn();
+  }
+
+  bool take_drawn() {
+    const bool goes_on = block_.size() == 0 || take_(block_);
+    block_.clear();
+    return goes_on;
   }
 
   bool edge_list() {
@@ -75,6 +104,7 @@ class Connector {
       if (!pre || !post) {
         return false;
       }
+      block_.share_done = reader.share_read();
       for (std::size_t c = 2; c < row.size(); ++c) {
         block_.edge_columns[c - 2].push_back(row[c]);
       }
@@ -106,9 +136,7 @@ class Connector {
     if (projection_.rule == RuleKind::FixedProbability) {
       keep_by_chance();
     }
-    const bool goes_on = block_.size() == 0 || take_(block_);
-    block_.clear();
-    return goes_on;
+    return take_drawn();
   }
 
   void keep_where() { tectum::keep_where(projection_, variables_, block_, values_); }
@@ -170,6 +198,7 @@ class Connector {
     std::vector<std::uint32_t> swapped(degree);
     std::vector<std::uint32_t> chosen(degree);
     for (std::uint32_t i = 0; i < count; ++i) {
+      block_.share_done = static_cast<double>(i) / count;
       for (std::uint32_t k = 0; k < degree; ++k) {
         swapped[k] = k + random_.below((std::uint64_t{i} << 32U) + k, others - k);
         std::swap(partners[k], partners[swapped[k]]);

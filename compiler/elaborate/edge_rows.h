@@ -28,6 +28,7 @@ class EdgeRows {
   [[nodiscard]] const std::string& row_error() const { return reader_.row_error(); }
   [[nodiscard]] const std::string& path() const { return reader_.path(); }
   [[nodiscard]] std::uint64_t line() const { return reader_.line(); }
+  [[nodiscard]] double share_read() const { return reader_.share_read(); }
 
  private:
   const EdgeTable& table_;

@@ -110,8 +110,12 @@ std::string stream_name(const Projection& projection, const Circuit& circuit, co
 
 class Wiring {
  public:
-  Wiring(const Circuit& circuit, Network& network, Diagnostics& diagnostics)
-      : circuit_(circuit), network_(network), diagnostics_(diagnostics), plasticity_(circuit, network, diagnostics) {}
+  Wiring(const Circuit& circuit, Network& network, Diagnostics& diagnostics, const ElaborateProgress& progress)
+      : circuit_(circuit),
+        network_(network),
+        diagnostics_(diagnostics),
+        plasticity_(circuit, network, diagnostics),
+        progress_(progress) {}
 
   void run() {
     for (std::size_t p = 0; p < circuit_.projections.size() && !is_full_; ++p) {
@@ -220,6 +224,7 @@ class Wiring {
       report_full(projection);
       return;
     }
+    make_room(before + expected_synapses(projection, from, to));
     const std::string stream = stream_name(projection, circuit_, from, to);
     PairVariables variables(circuit_, from, to, stream);
     const RandomStream random(circuit_.seed, stream);
@@ -242,6 +247,20 @@ class Wiring {
         plasticity_.add(*projection.plasticity, from, to, before);
       }
     }
+  }
+
+  /// At least doubles, so that many small pathways do not move the columns each time.
+  void make_room(std::size_t synapse_count) {
+    Synapses& synapses = network_.synapses;
+    if (synapse_count <= weights.capacity()) {
+      return;
+    }
+    const std::size_t room = std::max(synapse_count, 2 * weights.capacity());
+    synapses.pre.reserve(room);
+    synapses.post.reserve(room);
+    synapses.delay_ticks.reserve(room);
+    synapses.pathway.reserve(room);
+    weights.reserve(room);
   }
 
   /// How many a rule will make, where that is known beforehand; 0 where it depends on `where`.
@@ -301,14 +320,21 @@ class Wiring {
       report_full(projection);
       return false;
     }
+    if (progress_) {
+      const double done = static_cast<double>(&projection - circuit_.projections.data()) + block.share_done;
+      progress_(done / static_cast<double>(circuit_.projections.size()), synapses.size());
+    }
     variables.evaluate(PairUse::Weight, values.weight, block, weight_values_);
     variables.evaluate(PairUse::Delay, values.delay, block, delay_values_);
     const double sign = projection.is_inhibitory ? -1 : 1;
+    std::optional<std::uint64_t> ticks;
     for (std::size_t i = 0; i < block.size(); ++i) {
       if (!check_weight(projection, block, i)) {
         return false;
       }
-      const auto ticks = whole_ticks(delay_values_[i], circuit_.tick_ns);
+      if (i == 0 || delay_values_[i] != delay_values_[i - 1]) {
+        ticks = whole_ticks(delay_values_[i], circuit_.tick_ns);
+      }
       if (!ticks || *ticks > kMaxDelayTicks) {
         report_delay(projection, block, i, ticks.has_value());
         return false;
@@ -357,6 +383,7 @@ class Wiring {
   Network& network_;
   Diagnostics& diagnostics_;
   PlasticPathways plasticity_;
+  const ElaborateProgress& progress_;
   std::vector<double> weight_values_;
   std::vector<double> delay_values_;
   std::vector<double> where_values_;
@@ -388,7 +415,7 @@ void report_cycle(const Network& network, const std::vector<std::uint32_t>& cycl
 
 }  // namespace
 
-std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostics) {
+std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostics, const ElaborateProgress& progress) {
   const std::size_t errors_before = diagnostics.error_count();
   Network network;
   network.name = circuit.name;
@@ -397,7 +424,7 @@ std::optional<Network> elaborate(const Circuit& circuit, Diagnostics& diagnostic
   network.outputs = circuit.outputs;
   network.joints = circuit.joints;
   add_populations(circuit, network);
-  Wiring wiring(circuit, network, diagnostics);
+  Wiring wiring(circuit, network, diagnostics, progress);
   wiring.run();
   if (diagnostics.error_count() > errors_before) {
     return std::nullopt;

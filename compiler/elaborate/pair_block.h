@@ -19,6 +19,7 @@ struct PairBlock {
   std::vector<std::uint32_t> pre;
   std::vector<std::uint32_t> post;
   std::vector<std::vector<double>> edge_columns;
+  double share_done = 0;  // of the rule's work between these two sides, for a progress bar
 
   [[nodiscard]] std::size_t size() const { return pre.size(); }
   void clear() {

@@ -41,6 +41,10 @@ class CsvReader {
   /// Bytes read so far, and of the whole file; for progress.
   [[nodiscard]] std::uint64_t bytes_read() const { return bytes_read_; }
   [[nodiscard]] std::uint64_t bytes_total() const { return bytes_total_; }
+  /// 0 to 1: how much of the file has been read.
+  [[nodiscard]] double share_read() const {
+    return bytes_total_ == 0 ? 1 : static_cast<double>(bytes_read_) / static_cast<double>(bytes_total_);
+  }
 
   /// Counted from 1, of the row that next() gave last.
   [[nodiscard]] std::uint64_t line() const { return line_; }

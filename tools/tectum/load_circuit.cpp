@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compiler/diagnostics/render.h"
+#include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
 
 namespace tectum {
@@ -67,7 +68,12 @@ std::optional<Compilation> compile_file(const CircuitArguments& arguments, const
     return std::nullopt;
   }
   Compilation compilation;
-  compilation.result = compile_circuit(std::move(source.file), options, compilation.diagnostics);
+  CompileOptions shown_options = options;
+  Progress progress(context.err, "compiling " + arguments.path);
+  shown_options.progress = [&](double share, std::size_t synapses) {
+    progress.update(share, fmt::format("{} synapses", synapses));
+  };
+  compilation.result = compile_circuit(std::move(source.file), shown_options, compilation.diagnostics);
   if (compilation.diagnostics.has_errors()) {
     context.exit_status = kExitFailed;
   }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <string>
 
 #include "compiler/expression/random_stream.h"
 #include "compiler/validate/slot_use.h"
@@ -330,7 +332,8 @@ void apply_times(Validation& v, const Population& population, const KeyedValue& 
   }
 }
 
-void report_unknown_parameter(Validation& v, const KeyedValue& keyed, const ModelInfo& model) {
+/// Returns the key that may have been meant.
+std::optional<std::string> report_unknown_parameter(Validation& v, const KeyedValue& keyed, const ModelInfo& model) {
   std::vector<std::string> names = {"neuron",   "input",      "size", "axis", "nucleus",
                                     "position", "exceptions", "cite", "about"};
   for (const ParameterInfo& info : model.parameters) {
@@ -339,9 +342,11 @@ void report_unknown_parameter(Validation& v, const KeyedValue& keyed, const Mode
   if (((model.receptor_kinds >> static_cast<std::uint32_t>(ReceptorKind::Exponential)) & 1U) != 0) {
     names.insert(names.end(), {"tau_syn_ex", "tau_syn_in"});
   }
+  const std::optional<std::string> nearest = nearest_name(keyed.key.text, names);
   v.diagnostics()
       .add(Code::UnknownParameter, keyed.key.span, {std::string(model.name), keyed.key.text})
-      .help_if(nearest_name(keyed.key.text, names), "did you mean `{}`?");
+      .help_if(nearest, "did you mean `{}`?");
+  return nearest;
 }
 
 bool has_side(const Validation& v, const Population& population, const std::string& side) {
@@ -351,15 +356,17 @@ bool has_side(const Validation& v, const Population& population, const std::stri
   });
 }
 
-void apply_one(Validation& v, const Population& population, const ModelInfo& model, const KeyedValue& keyed,
-               const std::string& side, ParameterEvaluator& evaluator) {
+/// Returns the key that may have been meant where this one is unknown.
+std::optional<std::string> apply_one(Validation& v, const Population& population, const ModelInfo& model,
+                                     const KeyedValue& keyed, const std::string& side, ParameterEvaluator& evaluator) {
   if (model.kind == ModelKind::SpikeList && keyed.key.text == "times") {
     apply_times(v, population, keyed);
   } else if (const auto p = find_parameter(model, keyed.key.text)) {
     evaluator.apply(keyed, model.parameters[*p], side);
   } else {
-    report_unknown_parameter(v, keyed, model);
+    return report_unknown_parameter(v, keyed, model);
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -368,7 +375,7 @@ void check_parameters(Validation& v, Population& population, const ModelInfo& mo
                       const std::vector<KeyedValue>& parameters) {
   ParameterEvaluator evaluator(v, population, model);
   for (const KeyedValue& keyed : parameters) {
-    apply_one(v, population, model, keyed, "", evaluator);
+    static_cast<void>(apply_one(v, population, model, keyed, "", evaluator));
   }
 }
 
@@ -382,7 +389,9 @@ bool apply_parameters(Validation& v, Population& population, const ModelInfo& mo
     v.scope.broken.insert({"x", "y"});
   }
   for (const KeyedValue& keyed : sources.parameters) {
-    apply_one(v, population, model, keyed, "", evaluator);
+    if (apply_one(v, population, model, keyed, "", evaluator) == "axis") {
+      v.knows_sides.back() = false;  // what would follow from its having no sides is not reported
+    }
   }
   for (const ExceptionDecl& exception : sources.exceptions) {
     if (!v.knows_sides.back()) {
@@ -393,7 +402,7 @@ bool apply_parameters(Validation& v, Population& population, const ModelInfo& mo
       continue;
     }
     for (const KeyedValue& keyed : exception.values) {
-      apply_one(v, population, model, keyed, exception.side.text, evaluator);
+      static_cast<void>(apply_one(v, population, model, keyed, exception.side.text, evaluator));
     }
   }
   for (const ParameterInfo& info : model.parameters) {
@@ -408,7 +417,7 @@ bool apply_parameters(Validation& v, Population& population, const ModelInfo& mo
     check_reset(v, population, model, sources.parameters, owner.span);
   }
   v.scope.broken = broken;
-  return knows_places;
+  return knows_places && v.knows_sides.back();
 }
 
 }  // namespace tectum

@@ -197,8 +197,10 @@ std::optional<std::uint64_t> Scope::ticks(const ValueDecl& value, std::string_vi
   }
   const auto ticks = whole_ticks(*time_ms, tick_ns);
   if (!ticks) {
-    diagnostics_.add(Code::TimeNotTicks, value.span,
-                     {std::string(key), shown(*time_ms, kTime), shown(static_cast<double>(tick_ns) / 1e6, kTime)});
+    const double tick_ms = static_cast<double>(tick_ns) / 1e6;
+    const double below_ms = std::floor(*time_ms / tick_ms) * tick_ms;
+    diagnostics_.add(Code::TimeNotTicks, value.span, {std::string(key), shown(*time_ms, kTime), shown(tick_ms, kTime)})
+        .help(fmt::format("the nearest are {:g} ms and {:g} ms", below_ms, below_ms + tick_ms));
   }
   return ticks;
 }

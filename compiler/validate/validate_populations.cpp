@@ -1,5 +1,6 @@
 // Populations: their neurons' parameters as numbers, one set a side.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -133,9 +134,16 @@ class PopulationValidator {
       const auto found = v_.axis_of.find(name.text);
       if (found == v_.axis_of.end()) {
         if (v_.can_report(name, "axes")) {
-          v_.diagnostics()
-              .add(Code::UnknownAxis, name.span, {name.text})
-              .help_if(nearest_name(name.text, names_of(v_.decl.axes)), "did you mean `{}`?");
+          const std::vector<std::string> known = names_of(v_.decl.axes);
+          const auto nearest = nearest_name(name.text, known);
+          auto builder = v_.diagnostics().add(Code::UnknownAxis, name.span, {name.text});
+          if (nearest) {
+            builder.help_if(nearest, "did you mean `{}`?");
+          } else if (known.empty()) {
+            builder.help(fmt::format("declare it: \"axes\": {{ \"{}\": [\"left\", \"right\"] }}", name.text));
+          } else {
+            builder.help(fmt::format("the axes are {}", fmt::join(known, ", ")));
+          }
         }
         is_usable_ = false;
       } else if (!v_.is_sound_axis[found->second]) {

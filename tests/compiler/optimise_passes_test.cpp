@@ -18,7 +18,7 @@
 namespace tectum::test {
 namespace {
 
-constexpr std::uint64_t kTicks = 3000;
+constexpr std::uint64_t kTicks = 10000;  // 1 s
 
 /// A chain that nothing drives beside one that is driven, and back from it.
 const char* const kMute = R"json({

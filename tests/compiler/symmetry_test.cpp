@@ -25,7 +25,7 @@ std::vector<SymmetryVerdict> verdicts_of(const std::string& text) {
 std::string two_eyes(const std::string& right_weight) {
   const auto retina = [](const char* eye) {
     return fmt::format(R"j({{ "retina": {{ "eye": "{}", "frame": [720, 720], "field_of_view": "60 deg",
-      "rings": [ {{ "outer": 360, "fields_per_side": 4 }}, {{ "outer": 216, "block": [4, 4] }} ],
+      "rings": [ {{ "outer": 360, "fields_per_side": 4 }}, {{ "outer": 180, "block": [4, 4] }} ],
       "lit": {{ "channel": "luma", "above": 20 }}, "fires_when": "lit >= 5 %" }} }})j",
                        eye);
   };

@@ -140,7 +140,7 @@ class PopulationValidator {
           if (nearest) {
             builder.help_if(nearest, "did you mean `{}`?");
           } else if (known.empty()) {
-            builder.help(fmt::format("declare it: \"axes\": {{ \"{}\": [\"left\", \"right\"] }}", name.text));
+            builder.help(fmt::format("declare it: \"axes\": {{ \"{}\": [\"one side\", \"the other\"] }}", name.text));
           } else {
             builder.help(fmt::format("the axes are {}", fmt::join(known, ", ")));
           }

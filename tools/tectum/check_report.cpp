@@ -52,7 +52,7 @@ std::string check_text(const std::string& path, const CompileResult& result) {
     text += mirror_text(verdict, network.synapses.size());
   }
   if (result.image) {
-    text += fmt::format("  at most {} synaptic events in one tick; the image takes {} bytes\n",
+    text += fmt::format("  at most {} synaptic events in one tick; the image takes at most {} bytes\n",
                         worst_case(*result.image).synaptic_events, write_image(*result.image).size());
   }
   return text;

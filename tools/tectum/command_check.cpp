@@ -17,7 +17,9 @@ struct CheckArguments {
 
 void check(const CheckArguments& check_arguments, CommandContext& context) {
   const CircuitArguments& arguments = check_arguments.circuit;
-  const std::optional<Compilation> compilation = compile_file(arguments, compile_options(arguments), context);
+  CompileOptions options = compile_options(arguments);
+  options.level = OptimisationLevel::O0;  // what is said is said of the network as it is written
+  const std::optional<Compilation> compilation = compile_file(arguments, options, context);
   if (!compilation) {
     return;
   }

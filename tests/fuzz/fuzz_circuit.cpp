@@ -1,5 +1,8 @@
 // Any text as a circuit file: compiled as far as it goes, its diagnostics rendered, its image loaded.
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "compiler/compile.h"
@@ -25,13 +28,38 @@ SourceReader reader_of(const std::string& input) {
   };
 }
 
+// Tables and edge lists are read from disk: these lie beside the circuit.
+constexpr const char* kCells = "id;class;side\nk1;KC;L\n\"m;1\";MN;L\nk2;KC;R\nm2;motor;L\nlost;PN;L\n";
+constexpr const char* kEdges =
+    "a|b|n|kind\nk1|m;1|3|chemical\nk2|m;1|1|chemical\nk2|k1|2|electrical\nlost|m;1|4|chemical\n"
+    "m;1|k2|2|chemical\nm2|k1|1|chemical\nk1|k1|5|chemical\n";
+constexpr const char* kNumberedEdges = "pre,post,w\n0,1,0.5\n1,0,2\n2,2,-1\n";
+
+class FilesBeside {
+ public:
+  FilesBeside() {
+    std::string name = (std::filesystem::temp_directory_path() / "fuzz_circuit.XXXXXX").string();
+    TECTUM_EXPECT(mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+    std::ofstream(folder_ / "cells.csv") << kCells;
+    std::ofstream(folder_ / "edges.csv") << kEdges;
+    std::ofstream(folder_ / "wires.csv") << kNumberedEdges;
+  }
+  ~FilesBeside() { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::string circuit() const { return (folder_ / "fuzz.json").string(); }
+
+ private:
+  std::filesystem::path folder_;
+};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const FilesBeside kFiles;
   CompileOptions options;
   options.last_stage = Stage::Validate;
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const SourceFile file{"fuzz.json", text};
+  const SourceFile file{kFiles.circuit(), text};
   options.read = reader_of(text);
   Diagnostics first;
   const CompileResult validated = compile_circuit(file, options, first);

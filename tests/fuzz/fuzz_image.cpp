@@ -9,6 +9,7 @@
 #include "runtime/image/checksum.h"
 #include "runtime/image/describe_image.h"
 #include "runtime/image/load_image.h"
+#include "runtime/learn/learner.h"
 #include "tests/fuzz/expect.h"
 
 using namespace tectum;
@@ -26,8 +27,17 @@ bool is_small(const SpikeImage& image) {
   return window_cells < 1'000'000 && image.header.neuron_count < 100'000;
 }
 
+/// A reward on every channel, which is another one each tick.
+RewardSample reward_of(std::uint32_t tick) {
+  RewardSample reward;
+  reward.value.fill(tick % 3 == 0 ? -0.5 : 1.0);
+  reward.given = (std::uint32_t{1} << kRewardChannelCount) - 1;
+  return reward;
+}
+
 void run(const SpikeImage& image) {
   SpikeEngine engine(image);
+  Learner learner(image);
   for (std::uint32_t tick = 0; tick < 10; ++tick) {
     if (image.header.neuron_count > 0) {
       engine.inject_spike(NeuronId{tick % image.header.neuron_count});
@@ -36,7 +46,12 @@ void run(const SpikeImage& image) {
       engine.inject_input(SlotId{tick % image.header.slot_count}, 1e3);
     }
     engine.step();
+    learner.take_spikes(engine.spikes());
+    if (!image.plasticity.empty()) {
+      learner.take_reward(engine.tick(), reward_of(tick), engine.plastic_weights());
+    }
   }
+  learner.reset();
   engine.reset();
   engine.step();
 }

@@ -15,7 +15,8 @@ std::string drop_mute_synapses(Network& network) {
   if (mute_count > 0) {
     std::vector<bool> keep(network.synapses.size());
     for (std::size_t s = 0; s < keep.size(); ++s) {
-      keep[s] = can_fire[network.synapses.pre[s]];
+      const bool learns = network.pathways[network.synapses.pathway[s]].rule != kNoRule;
+      keep[s] = can_fire[network.synapses.pre[s]] || learns;  // weights that learn are read out
     }
     keep_synapses(keep, network.synapses);
   }

@@ -9,8 +9,8 @@ namespace tectum {
 namespace {
 
 constexpr std::array kPasses = {
-    PassInfo{"drop_mute_synapses", "take out the synapses of neurons that can never fire", OptimisationLevel::O2,
-             drop_mute_synapses},
+    PassInfo{"drop_mute_synapses", "take out the synapses of neurons that can never fire, but for those that learn",
+             OptimisationLevel::O2, drop_mute_synapses},
     PassInfo{"merge_parallel_synapses", "join synapses of the same neurons, receptor and delay", OptimisationLevel::O1,
              merge_parallel_synapses},
     PassInfo{"drop_empty_synapses", "take out synapses whose weight rounds to nothing", OptimisationLevel::O1,

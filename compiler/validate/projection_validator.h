@@ -63,6 +63,9 @@ class ProjectionValidator {
   void delay();
   std::optional<TypedExpression> delay_of(const ValueDecl& value);
   void where();
+  /// What is wrong with the weight and the delay of a projection whose ends or edge list are unknown: names that these
+  /// would bring are no news, and the weight may have any unit.
+  void values_alone();
 
   Validation& v_;
   const ProjectionDecl& decl_;

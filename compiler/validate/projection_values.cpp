@@ -119,4 +119,17 @@ void ProjectionValidator::where() {
   }
 }
 
+void ProjectionValidator::values_alone() {
+  if (names_.outer == nullptr) {
+    names_.outer = &v_.scope.environment;
+  }
+  v_.scope.knows_pair_names = false;
+  if (decl_.weight) {
+    static_cast<void>(v_.scope.expression(*decl_.weight, names_));
+  }
+  delay();
+  v_.scope.knows_pair_names = true;
+  v_.scope.absent.clear();
+}
+
 }  // namespace tectum

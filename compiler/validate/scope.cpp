@@ -55,6 +55,18 @@ const Environment& varying_names() {
   return kNames;
 }
 
+/// What only the two ends of a projection, or the columns of its edge list, give a meaning.
+bool is_pair_name(std::string_view name) {
+  for (const char* whole : {"x", "y", "ecc", "distance", "side", "hemifield"}) {
+    if (name == whole) {
+      return true;
+    }
+  }
+  const std::string_view prefix = name.substr(0, name.find('.'));
+  return prefix != name &&
+         (prefix == "pre" || prefix == "post" || prefix == "edge" || prefix == "side" || prefix == "hemifield");
+}
+
 }  // namespace
 
 Span span_in_file(const ValueDecl& value, ExprSpan span) {
@@ -79,7 +91,7 @@ void Scope::report(const ValueDecl& value, const std::vector<ExprError>& errors)
   for (const ExprError& error : errors) {
     if (error.code == ExprErrorCode::UnknownName) {
       const std::string name = value.text.substr(error.span.begin, error.span.end - error.span.begin);
-      if (broken.count(name) != 0 || !knows_all_names) {
+      if (broken.count(name) != 0 || !knows_all_names || (!knows_pair_names && is_pair_name(name))) {
         keep_silent();
         continue;
       }

@@ -24,8 +24,9 @@ class Scope {
   std::set<std::string> broken;        // declared but wrong: uses of them are not reported again
   /// Names that have a meaning elsewhere, and why not here.
   std::map<std::string, std::string, std::less<>> absent;
-  bool knows_all_names = true;  // false when some declarations could not be read: unknown names are then no news
-  bool knows_tick = true;       // false when the circuit's tick is wrong: nothing is then said about whole ticks
+  bool knows_all_names = true;   // false when some declarations could not be read: unknown names are then no news
+  bool knows_pair_names = true;  // false in a projection whose ends are unknown: the same of places, sides and columns
+  bool knows_tick = true;        // false when the circuit's tick is wrong: nothing is then said about whole ticks
 
   /// Parses and types in `names`; reports and returns nothing when that fails.
   std::optional<TypedExpression> expression(const ValueDecl& value, const Environment& names);

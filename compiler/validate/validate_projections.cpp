@@ -26,7 +26,8 @@ void ProjectionValidator::run() {
   }
   rule();
   if (!is_sound_) {
-    return;  // without its ends or its edge list, nothing more can be said of it that is not a consequence
+    values_alone();  // whatever else it says depends on its ends or on its edge list
+    return;
   }
   if ((decl_.sign && decl_.sign->is_poisoned) || (decl_.receptor && decl_.receptor->is_poisoned)) {
     v_.scope.keep_silent();

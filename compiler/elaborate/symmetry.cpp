@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "compiler/elaborate/mirror_partner.h"
@@ -60,9 +61,21 @@ class Mirror {
            (plane_.sides.first == b && plane_.sides.second == a);
   }
 
-  using Place = std::pair<std::int64_t, std::int64_t>;
-  /// Places are compared to a millionth of a degree, metre or unit.
-  static Place place(double x, double y) { return {std::llround(x * 1e6), std::llround(y * 1e6)}; }
+  // Fields lie at 32-bit pixels, so that two that mirror each other may be some 3e-6 deg off.
+  static constexpr double kCellsInAUnit = 1e4;  // places are the same within a ten-thousandth of a degree or metre
+  using Places = std::map<std::pair<std::int64_t, std::int64_t>, std::uint32_t>;
+  static std::int64_t cell(double place) { return std::llround(place * kCellsInAUnit); }
+
+  static std::uint32_t neuron_at(const Places& at, double x, double y) {
+    for (const std::int64_t dx : {0, -1, 1}) {
+      for (const std::int64_t dy : {0, -1, 1}) {
+        if (const auto found = at.find({cell(x) + dx, cell(y) + dy}); found != at.end()) {
+          return found->second;
+        }
+      }
+    }
+    return kNoImage;
+  }
 
   void map_neurons(std::size_t from, std::size_t to) {
     const NetworkPopulation& source = network_.populations[from];
@@ -70,15 +83,14 @@ class Mirror {
     const Instance& a = circuit_.instances[from];
     const Instance& b = circuit_.instances[to];
     const bool has_places = (flips_x_ || flips_y_) && !a.x.empty() && a.x.size() == b.x.size();
-    std::map<Place, std::uint32_t> at;
+    Places at;
     for (std::uint32_t i = 0; has_places && i < target.size; ++i) {
-      at.emplace(place(b.x[i], b.y[i]), i);
+      at.emplace(std::pair(cell(b.x[i]), cell(b.y[i])), i);
     }
     for (std::uint32_t i = 0; i < source.size; ++i) {
       std::uint32_t image = i;
       if (has_places) {
-        const auto found = at.find(place(flips_x_ ? -a.x[i] : a.x[i], flips_y_ ? -a.y[i] : a.y[i]));
-        image = found == at.end() ? kNoImage : found->second;
+        image = neuron_at(at, flips_x_ ? -a.x[i] : a.x[i], flips_y_ ? -a.y[i] : a.y[i]);
       }
       image_[source.first_neuron + i] = image == kNoImage ? kNoImage : target.first_neuron + image;
     }
@@ -125,20 +137,27 @@ class Mirror {
   }
 
   struct Edge {
-    std::array<std::uint64_t, 3> key;  // pre and post, receptor and delay, weight
+    std::array<std::uint64_t, 2> ends;  // pre and post, receptor and delay
+    double millionths;                  // of the weight's unit
     std::uint32_t pathway;
-    friend bool operator<(const Edge& a, const Edge& b) { return a.key < b.key; }
+    friend bool operator<(const Edge& a, const Edge& b) {
+      return std::tie(a.ends, a.millionths) < std::tie(b.ends, b.millionths);
+    }
   };
+
+  /// Quanta of the two sides may differ in size, and weights that go by a place are as good as the place is: they are
+  /// the same within a ten-thousandth of themselves or a millionth of the unit.
+  static bool is_same_weight(double a, double b) {
+    return std::abs(a - b) <= std::max(1.0, 1e-4 * std::max(std::abs(a), std::abs(b)));
+  }
 
   Edge edge(std::size_t s, bool is_mirrored) const {
     const Synapses& synapses = network_.synapses;
     const Pathway& pathway = network_.pathways[synapses.pathway[s]];
     const std::uint32_t pre = is_mirrored ? image_[synapses.pre[s]] : synapses.pre[s];
     const std::uint32_t post = is_mirrored ? image_[synapses.post[s]] : synapses.post[s];
-    // Quanta of the two sides may differ in size: weights are compared to a millionth of a unit.
-    const double millionths = synapses.quanta[s] * millionths_of_quantum_[synapses.pathway[s]];
-    return {{(std::uint64_t{pre} << 32U) | post, (std::uint64_t{pathway.receptor} << 32U) | synapses.delay_ticks[s],
-             static_cast<std::uint64_t>(std::llrint(millionths))},
+    return {{(std::uint64_t{pre} << 32U) | post, (std::uint64_t{pathway.receptor} << 32U) | synapses.delay_ticks[s]},
+            synapses.quanta[s] * millionths_of_quantum_[synapses.pathway[s]],
             synapses.pathway[s]};
   }
 
@@ -149,9 +168,10 @@ class Mirror {
     std::uint64_t high = 0;
 
     void add(const Edge& edge) {
-      const std::uint64_t hash = mix(mix(mix(edge.key[0]) + edge.key[1]) + edge.key[2]);
+      const auto weight = static_cast<std::uint64_t>(std::llrint(edge.millionths));
+      const std::uint64_t hash = mix(mix(mix(edge.ends[0]) + edge.ends[1]) + weight);
       low += hash;
-      high += mix(hash + edge.key[0]);
+      high += mix(hash + edge.ends[0]);
     }
     friend bool operator==(const Sum&, const Sum&) = default;
 
@@ -209,12 +229,22 @@ class Mirror {
     }
     std::sort(own.begin(), own.end());
     std::sort(mirrored.begin(), mirrored.end());
-    std::vector<Edge> alone;
-    std::set_difference(own.begin(), own.end(), mirrored.begin(), mirrored.end(), std::back_inserter(alone));
-    count = alone.size();
     std::set<std::size_t> projections;
-    for (const Edge& e : alone) {
-      projections.insert(index_of(network_.pathways[e.pathway].projection));
+    auto other = mirrored.begin();
+    for (const Edge& e : own) {
+      const auto is_before = [&](const Edge& m) {
+        return m.ends < e.ends ||
+               (m.ends == e.ends && m.millionths < e.millionths && !is_same_weight(m.millionths, e.millionths));
+      };
+      while (other != mirrored.end() && is_before(*other)) {
+        ++other;
+      }
+      if (other != mirrored.end() && other->ends == e.ends && is_same_weight(other->millionths, e.millionths)) {
+        ++other;
+      } else {
+        ++count;
+        projections.insert(index_of(network_.pathways[e.pathway].projection));
+      }
     }
     return projections;
   }

@@ -21,13 +21,15 @@ std::vector<SymmetryVerdict> verdicts_of(const std::string& text) {
   return mirror_symmetry(*result.circuit, *result.network);
 }
 
+const char* const kRings = R"("rings": [ { "outer": 360, "fields_per_side": 4 }, { "outer": 180, "block": [4, 4] } ])";
+
 /// Two eyes, each with a sheet of receptive fields, wired to two motor populations.
-std::string two_eyes(const std::string& right_weight) {
-  const auto retina = [](const char* eye) {
-    return fmt::format(R"j({{ "retina": {{ "eye": "{}", "frame": [720, 720], "field_of_view": "60 deg",
-      "rings": [ {{ "outer": 360, "fields_per_side": 4 }}, {{ "outer": 180, "block": [4, 4] }} ],
+std::string two_eyes(const std::string& right_weight, const std::string& left_weight = "1 nA",
+                     const std::string& fields = kRings) {
+  const auto retina = [&](const char* eye) {
+    return fmt::format(R"j({{ "retina": {{ "eye": "{}", "frame": [720, 720], "field_of_view": "60 deg", {},
       "lit": {{ "channel": "luma", "above": 20 }}, "fires_when": "lit >= 5 %" }} }})j",
-                       eye);
+                       eye, fields);
   };
   return fmt::format(R"j({{ "tectum": 1, "name": "eyes",
     "neurons": {{ "n": {{ "model": "lif_exp" }} }},
@@ -36,11 +38,11 @@ std::string two_eyes(const std::string& right_weight) {
       "MN_left": {{ "neuron": "n", "size": 2 }}, "MN_right": {{ "neuron": "n", "size": 2 }}
     }},
     "projections": {{
-      "l": {{ "from": "SC_left", "to": "MN_left", "rule": "all_to_all", "where": "x < 0 deg", "weight": "1 nA", "delay": "1 ms" }},
+      "l": {{ "from": "SC_left", "to": "MN_left", "rule": "all_to_all", "where": "x < 0 deg", "weight": "{}", "delay": "1 ms" }},
       "r": {{ "from": "SC_right", "to": "MN_right", "rule": "all_to_all", "where": "x > 0 deg", "weight": "{}", "delay": "1 ms" }}
     }},
     "inputs": {{ "left_eye": {}, "right_eye": {} }} }})j",
-                     right_weight, retina("left"), retina("right"));
+                     left_weight, right_weight, retina("left"), retina("right"));
 }
 
 }  // namespace
@@ -61,6 +63,13 @@ TEST_CASE("two eyes with names of their own are each other's mirror image, field
   CHECK(verdicts[0].sides == "left/right");
   CHECK(verdicts[0].axes.empty());
   CHECK(verdicts[0].is_symmetric());
+}
+
+TEST_CASE("fields between pixels, and weights that go by their places, mirror each other all the same") {
+  const std::string foveated = R"("foveated": { "outer": 360, "inner": 15, "fields_per_side": 14, "fovea_px": 3 })";
+  const std::string outward = "1 nA * abs(x) / 10 deg";
+  CHECK(verdicts_of(two_eyes(outward, outward, foveated)).at(0).is_symmetric());
+  CHECK(!verdicts_of(two_eyes("1.001 nA * abs(x) / 10 deg", outward, foveated)).at(0).is_symmetric());
 }
 
 TEST_CASE("a weight that one eye alone has breaks the mirror, and the projections of both eyes are named") {

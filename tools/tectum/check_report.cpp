@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kNamesShown = 6;
 
+std::string count(std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
 /// "mirror left/right (horizontal): symmetric", or what breaks it.
 std::string mirror_text(const SymmetryVerdict& verdict, std::size_t synapse_count) {
   std::string text = fmt::format("  mirror {} ({}): ", verdict.sides, verdict.axes.empty() ? "by name" : verdict.axes);
@@ -46,14 +48,15 @@ std::string mirror_json(const SymmetryVerdict& verdict) {
 
 std::string check_text(const std::string& path, const CompileResult& result) {
   const Network& network = *result.network;
-  std::string text = fmt::format("{}: ok, {} populations, {} neurons, {} synapses\n", path,
-                                 result.circuit->instances.size(), network.neuron_count(), network.synapses.size());
+  std::string text = fmt::format("{}: ok, {}, {}, {}\n", path, count(result.circuit->instances.size(), "population"),
+                                 count(network.neuron_count(), "neuron"), count(network.synapses.size(), "synapse"));
   for (const SymmetryVerdict& verdict : mirror_symmetry(*result.circuit, network)) {
     text += mirror_text(verdict, network.synapses.size());
   }
   if (result.image) {
-    text += fmt::format("  at most {} synaptic events in one tick; the image takes at most {} bytes\n",
-                        worst_case(*result.image).synaptic_events, write_image(*result.image).size());
+    text += fmt::format("  at most {} in one tick; the image takes at most {} bytes\n",
+                        count(worst_case(*result.image).synaptic_events, "synaptic event"),
+                        write_image(*result.image).size());
   }
   return text;
 }

@@ -8,8 +8,10 @@
 namespace tectum {
 namespace {
 
+/// Nothing for a projection whose weight could not be read, which has been reported.
 std::optional<Dimension> weight_dimension(const Projection& projection) {
-  return projection.from.empty() || projection.to.empty() ? std::nullopt : std::optional(projection.weight.dimension);
+  const bool is_known = projection.weight.constant || projection.weight.slot_count > 0;
+  return is_known ? std::optional(projection.weight.dimension) : std::nullopt;
 }
 
 void validate_scaling(Validation& v, const ScalingDecl& decl, Scaling& made) {

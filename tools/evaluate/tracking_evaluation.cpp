@@ -183,6 +183,12 @@ SimulatedRunOptions trial_options(const SpikeImage& image, const Protocol& proto
   return options;
 }
 
+TrialResult run_circuit_trial(const SpikeImage& image, const Protocol& protocol, const Setting& setting,
+                              std::uint64_t seed, const std::function<void(double)>& progress) {
+  return trial_result(
+      run_controller(image, trial_options(image, protocol, setting, seed), Controller::Circuit, {}, progress));
+}
+
 TrackingEvaluation evaluate_tracking(const SpikeImage& image, const Protocol& protocol, unsigned threads,
                                      const std::function<void(double)>& progress) {
   TrackingEvaluation evaluation;

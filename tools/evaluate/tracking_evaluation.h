@@ -65,6 +65,10 @@ struct TrackingEvaluation {
 [[nodiscard]] SimulatedRunOptions trial_options(const SpikeImage& image, const Protocol& protocol,
                                                 const Setting& setting, std::uint64_t seed);
 
+/// The circuit alone, in one trial.
+[[nodiscard]] TrialResult run_circuit_trial(const SpikeImage& image, const Protocol& protocol, const Setting& setting,
+                                            std::uint64_t seed, const std::function<void(double)>& progress);
+
 /// Deterministic in image and protocol, whatever the number of threads (0: one for each core).
 [[nodiscard]] TrackingEvaluation evaluate_tracking(const SpikeImage& image, const Protocol& protocol, unsigned threads,
                                                    const std::function<void(double)>& progress);

@@ -10,9 +10,9 @@
 #include "tools/evaluate/learning_evaluation.h"
 #include "tools/evaluate/movements.h"
 #include "tools/evaluate/physiology.h"
-#include "tools/evaluate/protocol.h"
 #include "tools/evaluate/tracking_evaluation.h"
 #include "tools/tectum/load_circuit.h"
+#include "tools/tectum/load_protocol.h"
 #include "tools/tectum/progress.h"
 #include "tools/tectum/tectum_main.h"
 
@@ -32,50 +32,18 @@ struct EvalArguments {
   bool tunes_pid = false;
 };
 
-/// A file by that name; else protocols/NAME.json beside the circuit, else under circuits/ here.
-fs::path protocol_path(const EvalArguments& arguments) {
-  std::error_code ignored;
-  if (arguments.protocol.ends_with(".json")) {
-    return arguments.protocol;
-  }
-  const fs::path beside = fs::path(arguments.circuit.path).parent_path() / "protocols" / (arguments.protocol + ".json");
-  return fs::exists(beside, ignored) ? beside : fs::path("circuits/protocols") / (arguments.protocol + ".json");
-}
-
-std::string known_protocols(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".json") {
-      names.push_back(entry.path().stem().string());
-    }
-  }
-  std::sort(names.begin(), names.end());
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-std::optional<Protocol> load_protocol(const EvalArguments& arguments, CommandContext& context) {
-  const fs::path path = protocol_path(arguments);
-  ReadProtocol read = read_protocol_file(path.string());
-  context.err << read.problems;
-  if (!read.protocol) {
-    context.exit_status = read.error.empty() ? kExitFailed : kExitTrouble;
-    if (!read.error.empty()) {
-      context.err << fmt::format("tectum: {}\n", read.error);
-      const std::string known = known_protocols(path.parent_path());
-      if (!known.empty()) {
-        context.err << fmt::format("    = help: {} holds {}\n", path.parent_path().string(), known);
-      }
-    }
+std::optional<Protocol> protocol_of(const EvalArguments& arguments, CommandContext& context) {
+  std::optional<Protocol> protocol = load_protocol(arguments.protocol, arguments.circuit.path, context);
+  if (!protocol) {
     return std::nullopt;
   }
   if (arguments.trials > 0) {
-    read.protocol->trials = arguments.trials;
+    protocol->trials = arguments.trials;
   }
   if (arguments.duration_s > 0) {
-    read.protocol->duration_s = arguments.duration_s;
+    protocol->duration_s = arguments.duration_s;
   }
-  return read.protocol;
+  return protocol;
 }
 
 /// The circuit and those beside it, all by the same options; empty when one of them cannot be used.
@@ -217,7 +185,7 @@ void run(const EvalArguments& arguments, CommandContext& context) {
     context.exit_status = kExitTrouble;
     return;
   }
-  const std::optional<Protocol> protocol = load_protocol(arguments, context);
+  const std::optional<Protocol> protocol = protocol_of(arguments, context);
   if (!protocol) {
     return;
   }

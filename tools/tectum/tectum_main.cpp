@@ -7,6 +7,7 @@
 #include "tools/tectum/command_draw.h"
 #include "tools/tectum/command_export.h"
 #include "tools/tectum/command_import.h"
+#include "tools/tectum/command_sweep.h"
 #include "tools/tectum/command_test.h"
 #include "tools/tectum/command_why.h"
 #include "tools/tectum/usage_error.h"
@@ -37,6 +38,7 @@ int tectum_main(const std::vector<std::string>& args, std::ostream& out, std::os
   add_run_command(app, context);
   add_eval_command(app, context);
   add_test_command(app, context);
+  add_sweep_command(app, context);
   add_replay_command(app, context);
   add_why_command(app, context);
   add_record_command(app, context);

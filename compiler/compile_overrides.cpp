@@ -21,7 +21,7 @@ Overrides make_overrides(const CompileOptions& options, Sources& sources, Diagno
   Overrides overrides;
   overrides.seed = options.seed;
   for (const std::string& text : options.parameters) {
-    const FileId file = sources.add({"--set", text});
+    const FileId file = sources.add({"-p", text});
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
       diagnostics.add(Code::UnexpectedToken, {file, 0, static_cast<std::uint32_t>(text.size())},

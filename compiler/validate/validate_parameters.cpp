@@ -1,4 +1,7 @@
 // The circuit's own parameters: each may use others, in any order.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "compiler/validate/validation.h"
@@ -116,6 +119,15 @@ bool is_reserved(const Validation& v, const std::string& name) {
   return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end() || v.circuit.words.count(name) != 0;
 }
 
+std::string help_on_override(const std::string& given, const std::vector<std::string>& names) {
+  if (names.empty()) {
+    return "the circuit has no `parameters`";
+  }
+  const std::optional<std::string> nearest = nearest_name(given, names);
+  return nearest ? fmt::format("did you mean `{}`?", *nearest)
+                 : fmt::format("the circuit's parameters: {}", fmt::join(names, ", "));
+}
+
 void report_unknown_overrides(Validation& v) {
   std::vector<std::string> names = names_of(v.decl.parameters);
   for (const ScopeDecl& scope : v.decl.scopes) {
@@ -127,7 +139,7 @@ void report_unknown_overrides(Validation& v) {
     if (std::find(names.begin(), names.end(), given.name.text) == names.end()) {
       v.diagnostics()
           .add(Code::UnknownOverride, given.name.span, {given.name.text})
-          .help_if(nearest_name(given.name.text, names), "did you mean `{}`?");
+          .help(help_on_override(given.name.text, names));
     }
   }
 }

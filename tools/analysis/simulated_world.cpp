@@ -73,7 +73,7 @@ std::string world_arguments(const SimulatedWorld& world) {
   std::string text = fmt::format(" --scenario {}", world.scenario);
   text += world.to_deg ? fmt::format(" --to {} {}", (*world.to_deg)[0], (*world.to_deg)[1]) : "";
   text += world.hold_s != usual.hold_s ? fmt::format(" --hold {}", world.hold_s) : "";
-  text += fmt::format(" --duration {} --seed {}", world.duration_s, world.seed);
+  text += fmt::format(" --duration {:.10g} --seed {}", world.duration_s, world.seed);
   const auto add = [&](const char* name, const auto& value, const auto& as_usual) {
     text += value != as_usual ? fmt::format(" --{} {}", name, value) : "";
   };

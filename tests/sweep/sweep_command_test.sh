@@ -10,7 +10,7 @@ cd "$dir"
 cp -r "$circuits" circuits
 
 fail() { echo "FAILED: $*" >&2; exit 1; }
-sweep=("$tectum" sweep circuits/oculomotor.json -p "error_gain=0.4..0.44nA/deg:3" -p seed=0..1 --protocol step --duration 3)
+sweep=("$tectum" sweep circuits/oculomotor.json -p "error_gain=0.4..0.44nA/deg:3" -p seed=0..1 --duration 2)
 
 "${sweep[@]}" --out whole --threads 1 >whole.txt
 [ "$(wc -l <whole/sweep.csv)" = 7 ] || fail "expected a header and six rows in whole/sweep.csv"
@@ -62,6 +62,15 @@ for task in $(seq 0 5); do SLURM_ARRAY_TASK_ID=$task bash array.sh; done
 "${sweep[@]}" --out array >array.txt
 grep -q '0 run now, 6 kept from before' array.txt || fail "the array left work: $(head -1 array.txt)"
 cmp whole/sweep.csv array/sweep.csv || fail "the array's table is another"
+
+echo "an edit of the protocol is not taken for what was run before, unless no run can tell"
+sed 's/"trials": 5/"trials": 6/' circuits/protocols/step.json >again.json
+sed 's/"extent": "0.2 m"/"extent": "0.1 m"/' circuits/protocols/step.json >narrower.json
+cmp -s again.json narrower.json && fail "the edits of the protocol did nothing"
+"${sweep[@]}" --protocol again.json --out jobs >edited.txt
+grep -q '0 run now' edited.txt || fail "ran again what is the same: $(head -1 edited.txt)"
+"${sweep[@]}" --protocol narrower.json --out jobs >edited.txt
+grep -q '6 run now' edited.txt || fail "kept rows of another protocol: $(head -1 edited.txt)"
 
 echo "an edit of the circuit is not taken for what was run before"
 sed -i 's/"amplitude_gain": { "value": "[0-9.]*"/"amplitude_gain": { "value": "1.40"/' circuits/oculomotor.json

@@ -94,7 +94,12 @@ std::vector<MeasureExtremes> extremes_of(const SweepPlan& plan, const SweepResul
     const auto text = [&](const MeanOverRest& mean) {
       return fmt::format("{:.{}f} at {}", mean.mean, kSweepMeasures[m].decimals, point_text(plan.axes, mean.point));
     };
-    found.push_back({kSweepMeasures[m].title, text(*least), least->mean < most->mean ? text(*most) : ""});
+    if (least->mean < most->mean) {
+      found.push_back({kSweepMeasures[m].title, text(*least), text(*most)});
+    } else {
+      found.push_back(
+          {kSweepMeasures[m].title, fmt::format("{:.{}f} everywhere", least->mean, kSweepMeasures[m].decimals), ""});
+    }
   }
   return found;
 }
@@ -102,8 +107,8 @@ std::vector<MeasureExtremes> extremes_of(const SweepPlan& plan, const SweepResul
 std::string sweep_text(const SweepPlan& plan, const SweepResult& result) {
   std::string text;
   for (const MeasureExtremes& each : extremes_of(plan, result)) {
-    text += fmt::format("{}: least {}", each.title, each.least);
-    text += each.most.empty() ? "\n" : fmt::format("; most {}\n", each.most);
+    text += each.most.empty() ? fmt::format("{}: {}\n", each.title, each.least)
+                              : fmt::format("{}: least {}; most {}\n", each.title, each.least, each.most);
   }
   return text;
 }

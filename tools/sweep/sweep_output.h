@@ -12,9 +12,9 @@ namespace tectum {
 [[nodiscard]] std::string sweep_csv(const SweepPlan& plan, const SweepResult& result);
 [[nodiscard]] std::string sweep_json(const SweepPlan& plan, const SweepResult& result);
 
-/// Of a main measure, mean over the seeds: "4.28 at error_gain = 0.4 nA/deg".
+/// Of a main measure, mean over the seeds: "4.28 at error_gain = 0.4 nA/deg", or "150 everywhere" and nothing.
 struct MeasureExtremes {
-  std::string title, least, most;  // `most` is empty when it is no more than the least
+  std::string title, least, most;
 };
 [[nodiscard]] std::vector<MeasureExtremes> extremes_of(const SweepPlan& plan, const SweepResult& result);
 

@@ -233,7 +233,7 @@ std::string sweep_page(const SweepPlan& plan, const SweepResult& result, const s
   });
   ReportTable table{{has_seeds ? "mean over the seeds" : "one run each", "least", "most"}, {}, {}, true};
   for (const MeasureExtremes& each : extremes_of(plan, result)) {
-    table.rows.push_back({each.title, each.least, each.most.empty() ? "the same everywhere" : each.most});
+    table.rows.push_back({each.title, each.least, each.most});
   }
   page.table(table);
   page.paragraph(drawn_text(plan, map));

@@ -43,6 +43,9 @@ CellEdges::CellEdges(const Circuit& circuit, const Network& network, const Proje
   columns_.resize(columns);
   pre_sums_.assign(columns, std::vector<double>(network.neuron_count(), 0));
   post_sums_ = pre_sums_;
+  for (std::uint32_t p = 0; p < network.populations.size(); ++p) {
+    instance_of_.resize(instance_of_.size() + network.populations[p].size, p);
+  }
   read(projection);
 }
 
@@ -104,13 +107,6 @@ void CellEdges::add_row(const std::vector<double>& values, const CellPlace& pre,
   }
 }
 
-std::uint32_t CellEdges::instance_of(std::uint32_t neuron) const {
-  const auto next = std::upper_bound(
-      network_.populations.begin(), network_.populations.end(), neuron,
-      [](std::uint32_t n, const NetworkPopulation& population) { return n < population.first_neuron; });
-  return static_cast<std::uint32_t>(next - network_.populations.begin()) - 1;
-}
-
 void CellEdges::for_each_pathway(
     const std::function<bool(std::uint32_t, std::uint32_t, std::span<const std::uint32_t>)>& visit) const {
   std::vector<std::uint32_t> rows(size());
@@ -134,9 +130,10 @@ void CellEdges::for_each_pathway(
 void CellEdges::fill(std::span<const std::uint32_t> rows, PairBlock& block) const {
   const std::size_t count = columns_.size();
   block.edge_columns.resize(3 * count);
+  const std::uint32_t first_pre = network_.populations[instance_of(pre_[rows.front()])].first_neuron;
+  const std::uint32_t first_post = network_.populations[instance_of(post_[rows.front()])].first_neuron;
   for (const std::uint32_t row : rows) {
-    block.add(pre_[row] - network_.populations[instance_of(pre_[row])].first_neuron,
-              post_[row] - network_.populations[instance_of(post_[row])].first_neuron);
+    block.add(pre_[row] - first_pre, post_[row] - first_post);
     for (std::size_t c = 0; c < count; ++c) {
       block.edge_columns[c].push_back(columns_[c][row]);
       block.edge_columns[count + c].push_back(pre_sums_[c][pre_[row]]);

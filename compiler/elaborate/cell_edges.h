@@ -29,17 +29,19 @@ class CellEdges {
   /// Calls `visit` once for each two population sides that rows join, in ascending order, with the rows' numbers.
   void for_each_pathway(const std::function<bool(std::uint32_t pre_instance, std::uint32_t post_instance,
                                                  std::span<const std::uint32_t> rows)>& visit) const;
-  /// Adds rows to the block: indices within their populations, columns, and the sums that expressions may read.
+  /// Adds rows of one pathway to the block: indices within their populations, columns, and the sums that expressions
+  /// may read.
   void fill(std::span<const std::uint32_t> rows, PairBlock& block) const;
 
  private:
   void read(const Projection& projection);
   void add_row(const std::vector<double>& values, const CellPlace& pre, const CellPlace& post,
                const std::vector<bool>& is_from, const std::vector<bool>& is_to);
-  [[nodiscard]] std::uint32_t instance_of(std::uint32_t neuron) const;
+  [[nodiscard]] std::uint32_t instance_of(std::uint32_t neuron) const { return instance_of_[neuron]; }
 
   const Circuit& circuit_;
   const Network& network_;
+  std::vector<std::uint32_t> instance_of_;     // [neuron]
   std::vector<std::uint32_t> pre_, post_;      // neurons
   std::vector<std::vector<double>> columns_;   // as the file has them
   std::vector<std::vector<double>> pre_sums_;  // [column][neuron], of every row of the file

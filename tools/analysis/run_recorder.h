@@ -12,6 +12,8 @@ class RunRecorder final : public SpikeSink {
   /// Fills in what the image knows: name, checksum, tick, populations, retinas.
   explicit RunRecorder(const SpikeImage& image);
 
+  /// Sets aside address space for the spikes to come, so that a growing list is not copied again and again.
+  void expect(double duration_s);
   void take(std::uint64_t tick, std::span<const NeuronId> spikes) noexcept override;
   void add_frame(RecordedFrame frame);
 

@@ -93,6 +93,9 @@ Recording run_simulated_head(const SpikeImage& image, const SimulatedRunOptions&
   WatchedCamera left(head.eye_camera(Eye::Left));
   WatchedCamera right(head.eye_camera(Eye::Right));
   RunRecorder recorder(image);
+  if (options.keeps_spikes) {
+    recorder.expect(options.duration_s);
+  }
   LoopOptions loop_options;
   loop_options.frame_period_ns = options.head.frame_period_ns;
   loop_options.engine = options.engine;

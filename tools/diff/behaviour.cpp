@@ -27,12 +27,23 @@ double standard_deviation(const std::vector<double>& sample) {
 struct SeedRun {
   Battery battery;
   Recording a, b;
+  std::vector<PairedFigure> kinematics;  // of this seed alone
+  bool is_same = false;
 
   [[nodiscard]] RecordingPair pair() const { return {a, b, battery.parts.empty() ? parts_of(a) : battery.parts}; }
 };
 
+/// What is cheap to compare comes first: two circuits that differ seldom make as many spikes.
 bool is_same_run(const SeedRun& run, const std::vector<std::uint32_t>& in_b) {
+  const auto same_command = [](const RecordedFrame& x, const RecordedFrame& y) {
+    return x.decoded_deg == y.decoded_deg && x.goal_deg == y.goal_deg;
+  };
+  if (run.a.tick_ns != run.b.tick_ns || run.a.spikes.size() != run.b.spikes.size() ||
+      !std::equal(run.a.frames.begin(), run.a.frames.end(), run.b.frames.begin(), run.b.frames.end(), same_command)) {
+    return false;
+  }
   std::vector<RecordedSpike> mapped;
+  mapped.reserve(run.a.spikes.size());
   for (const RecordedSpike& spike : run.a.spikes) {
     if (in_b[spike.neuron] == kNoMatch) {
       return false;
@@ -42,11 +53,17 @@ bool is_same_run(const SeedRun& run, const std::vector<std::uint32_t>& in_b) {
   std::sort(mapped.begin(), mapped.end(), [](const RecordedSpike& x, const RecordedSpike& y) {
     return x.tick != y.tick ? x.tick < y.tick : x.neuron < y.neuron;
   });
-  const auto same_command = [](const RecordedFrame& x, const RecordedFrame& y) {
-    return x.decoded_deg == y.decoded_deg && x.goal_deg == y.goal_deg;
-  };
-  return run.a.tick_ns == run.b.tick_ns && mapped == run.b.spikes &&
-         std::equal(run.a.frames.begin(), run.a.frames.end(), run.b.frames.begin(), run.b.frames.end(), same_command);
+  return mapped == run.b.spikes;
+}
+
+void append_seed(const std::vector<PairedFigure>& seed, std::vector<PairedFigure>& figures) {
+  figures.resize(seed.size());
+  for (std::size_t k = 0; k < seed.size(); ++k) {
+    figures[k].name = seed[k].name;
+    figures[k].unit = seed[k].unit;
+    figures[k].a.insert(figures[k].a.end(), seed[k].a.begin(), seed[k].a.end());
+    figures[k].b.insert(figures[k].b.end(), seed[k].b.begin(), seed[k].b.end());
+  }
 }
 
 class BehaviourComparison {
@@ -63,28 +80,14 @@ class BehaviourComparison {
         fmt::format("{}, {:.3g} s, {}", options_.plan.what, runs_[0].battery.duration_s,
                     runs_.size() == 1 ? fmt::format("seed {}", first_seed)
                                       : fmt::format("seeds {} to {}", first_seed, first_seed + runs_.size() - 1));
-    std::vector<std::uint32_t> in_b(a_.image.header.neuron_count);
-    for (std::uint32_t neuron = 0; neuron < in_b.size(); ++neuron) {
-      in_b[neuron] = counterpart(a_, b_, structure_.match, neuron);
+    behaviour.divergence = compare_runs();
+    std::vector<RecordingPair> pairs;
+    for (const SeedRun& seed : runs_) {
+      pairs.push_back(seed.pair());
+      append_seed(seed.kinematics, behaviour.kinematics);
     }
-    behaviour.is_same =
-        std::all_of(runs_.begin(), runs_.end(), [&](const SeedRun& seed) { return is_same_run(seed, in_b); });
-    const LitNeurons lit_b = tap_.lit_neurons(runs_[0].a);
-    const std::vector<Job> jobs = {[&](const auto&) {
-                                     OpenLoopRun driven(b_.image, runs_[0].a, lit_b);
-                                     behaviour.divergence =
-                                         find_divergence({a_, b_, structure_, runs_[0].a, driven.recording(),
-                                                          [&](std::size_t frame) { driven.run_frame(frame); }});
-                                   },
-                                   [&](const auto&) {
-                                     std::vector<RecordingPair> pairs;
-                                     for (const SeedRun& seed : runs_) {
-                                       pairs.push_back(seed.pair());
-                                       add_kinematics(pairs.back(), behaviour.kinematics);
-                                     }
-                                     behaviour.populations = compare_spikes(pairs, structure_.match.population_of_b);
-                                   }};
-    run_jobs(jobs, options_.threads, {});
+    behaviour.populations = compare_spikes(pairs, structure_.match.population_of_b, options_.threads);
+    behaviour.is_same = std::all_of(runs_.begin(), runs_.end(), [](const SeedRun& seed) { return seed.is_same; });
     behaviour.first_parts = runs_[0].pair().parts;
     behaviour.first_a = std::move(runs_[0].a);
     behaviour.first_b = std::move(runs_[0].b);
@@ -114,6 +117,29 @@ class BehaviourComparison {
       }
     }
     run_jobs(jobs, options_.threads, options_.progress);
+  }
+
+  /// Each seed's pair of runs, and the first seed's once more on one input: the divergence.
+  Divergence compare_runs() {
+    Divergence divergence;
+    std::vector<std::uint32_t> in_b(a_.image.header.neuron_count);
+    for (std::uint32_t neuron = 0; neuron < in_b.size(); ++neuron) {
+      in_b[neuron] = counterpart(a_, b_, structure_.match, neuron);
+    }
+    std::vector<Job> jobs = {[&](const auto&) {  // the longest first
+      const LitNeurons lit_b = tap_.lit_neurons(runs_[0].a);
+      OpenLoopRun driven(b_.image, runs_[0].a, lit_b);
+      divergence = find_divergence(
+          {a_, b_, structure_, runs_[0].a, driven.recording(), [&](std::size_t frame) { driven.run_frame(frame); }});
+    }};
+    for (SeedRun& seed : runs_) {
+      jobs.emplace_back([&](const auto&) {
+        add_kinematics(seed.pair(), seed.kinematics);
+        seed.is_same = is_same_run(seed, in_b);
+      });
+    }
+    run_jobs(jobs, options_.threads, {});
+    return divergence;
   }
 
   const CircuitView& a_;

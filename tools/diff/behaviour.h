@@ -69,9 +69,11 @@ struct RecordingPair {
   std::vector<RunPart> parts;
 };
 
-/// Rates, latencies, lags and distances, one pair a seed. Populations are matched by index.
+/// Rates, latencies, lags and distances, one pair a seed. Populations are matched by index. threads = 0: one for each
+/// core.
 [[nodiscard]] std::vector<PopulationDifference> compare_spikes(const std::vector<RecordingPair>& pairs,
-                                                               const std::vector<std::uint32_t>& population_of_b);
+                                                               const std::vector<std::uint32_t>& population_of_b,
+                                                               unsigned threads = 0);
 
 /// Figure by figure; a run without one is left out.
 void add_kinematics(const RecordingPair& pair, std::vector<PairedFigure>& figures);

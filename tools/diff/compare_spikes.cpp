@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "tools/analysis/spike_times.h"
 #include "tools/analysis/statistics.h"
 #include "tools/diff/behaviour.h"
 #include "tools/diff/spike_distance.h"
+#include "tools/evaluate/parallel_jobs.h"
 
 namespace tectum {
 namespace {
@@ -26,36 +28,48 @@ class Trains {
     for (const RecordedPopulation& population : recording.populations) {
       neurons = std::max(neurons, population.first_neuron + population.size);
     }
-    times_ms_.resize(neurons);
-    SpikeClock clock(recording);
+    first_.resize(neurons + 1);
     for (const RecordedSpike& spike : recording.spikes) {
       if (spike.neuron < neurons) {
-        times_ms_[spike.neuron].push_back(clock.time_s(spike.tick) * 1e3);
+        ++first_[spike.neuron + 1];
+      }
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    times_ms_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end());
+    SpikeClock clock(recording);
+    std::optional<std::uint64_t> tick;
+    double now_ms = 0;
+    for (const RecordedSpike& spike : recording.spikes) {
+      if (tick != spike.tick) {
+        tick = spike.tick;
+        now_ms = clock.time_s(spike.tick) * 1e3;
+      }
+      if (spike.neuron < neurons) {
+        times_ms_[next[spike.neuron]++] = now_ms;
       }
     }
   }
-  [[nodiscard]] const std::vector<double>& of(std::size_t population, std::uint32_t index) const {
-    return times_ms_[recording_.populations[population].first_neuron + index];
+  [[nodiscard]] std::span<const double> of(std::size_t population, std::uint32_t index) const {
+    return of_neurons(recording_.populations[population].first_neuron + index, 1);
+  }
+  /// Of all neurons of a population, one neuron after the other.
+  [[nodiscard]] std::span<const double> of(std::size_t population) const {
+    return of_neurons(recording_.populations[population].first_neuron, size(population));
   }
   [[nodiscard]] std::uint32_t size(std::size_t population) const { return recording_.populations[population].size; }
   [[nodiscard]] double rate_hz(std::size_t population) const {
-    std::size_t spikes = 0;
-    for (std::uint32_t i = 0; i < size(population); ++i) {
-      spikes += of(population, i).size();
-    }
     return size(population) == 0 || recording_.duration_s <= 0
                ? 0
-               : static_cast<double>(spikes) / size(population) / recording_.duration_s;
+               : static_cast<double>(of(population).size()) / size(population) / recording_.duration_s;
   }
   [[nodiscard]] double end_ms() const { return recording_.duration_s * 1e3; }
 
   /// Spikes a ms, smoothed.
   [[nodiscard]] std::vector<double> profile(std::size_t population) const {
     std::vector<double> counts(static_cast<std::size_t>(std::max(1.0, end_ms())) + 1, 0.0);
-    for (std::uint32_t i = 0; i < size(population); ++i) {
-      for (const double t_ms : of(population, i)) {
-        counts[std::min(static_cast<std::size_t>(std::max(0.0, t_ms)), counts.size() - 1)] += 1;
-      }
+    for (const double t_ms : of(population)) {
+      counts[std::min(static_cast<std::size_t>(std::max(0.0, t_ms)), counts.size() - 1)] += 1;
     }
     std::vector<double> smooth(counts.size(), 0.0);
     const int reach = static_cast<int>(3 * kSmoothingMs);
@@ -76,8 +90,13 @@ class Trains {
   }
 
  private:
+  [[nodiscard]] std::span<const double> of_neurons(std::uint32_t neuron, std::uint32_t count) const {
+    return std::span(times_ms_).subspan(first_[neuron], first_[neuron + count] - first_[neuron]);
+  }
+
   const Recording& recording_;
-  std::vector<std::vector<double>> times_ms_;
+  std::vector<std::size_t> first_;  // of each neuron in times_ms_, and the end
+  std::vector<double> times_ms_;
 };
 
 std::optional<double> lag_ms(const std::vector<double>& a, const std::vector<double>& b) {
@@ -160,7 +179,7 @@ void distances(const Trains& a, std::size_t p, const Trains& b, std::size_t q, P
   const double end_ms = std::max({a.end_ms(), b.end_ms(), 1.0});
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t i = firing[k * firing.size() / count];
-    const std::vector<double>&x = a.of(p, i), &y = b.of(q, i);
+    const std::span<const double> x = a.of(p, i), y = b.of(q, i);
     const auto share = 1 / static_cast<double>(count);
     difference.van_rossum += share * van_rossum_distance(x, y, kVanRossumTauMs);
     difference.victor_purpura += share * victor_purpura_distance(x, y, kVictorPurpuraPerMs);
@@ -169,54 +188,79 @@ void distances(const Trains& a, std::size_t p, const Trains& b, std::size_t q, P
 }
 
 bool is_same_population(const Trains& a, std::size_t p, const Trains& b, std::size_t q) {
-  if (a.size(p) != b.size(q)) {
+  const auto is_same = [](std::span<const double> x, std::span<const double> y) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end());
+  };
+  if (a.size(p) != b.size(q) || !is_same(a.of(p), b.of(q))) {
     return false;
   }
   for (std::uint32_t i = 0; i < a.size(p); ++i) {
-    if (a.of(p, i) != b.of(q, i)) {
+    if (!is_same(a.of(p, i), b.of(q, i))) {
       return false;
     }
   }
   return true;
 }
 
+/// The trains of a seed.
+struct TrainPair {
+  std::optional<Trains> a, b;
+  const std::vector<RunPart>& parts;
+};
+
+/// Of population p of the first circuits and q of the second ones; nothing when they do the same in every seed.
+std::optional<PopulationDifference> difference_of(const std::vector<TrainPair>& seeds, std::size_t p, std::size_t q) {
+  const bool is_same = std::all_of(seeds.begin(), seeds.end(),
+                                   [&](const TrainPair& seed) { return is_same_population(*seed.a, p, *seed.b, q); });
+  if (is_same) {
+    return std::nullopt;
+  }
+  PopulationDifference difference;
+  difference.rate = {"rate", "Hz", {}, {}};
+  difference.latency = {"latency", "ms", {}, {}};
+  for (const TrainPair& seed : seeds) {
+    difference.rate.a.push_back(seed.a->rate_hz(p));
+    difference.rate.b.push_back(seed.b->rate_hz(q));
+    const std::vector<double> profile_a = seed.a->profile(p), profile_b = seed.b->profile(q);
+    latencies(profile_a, profile_b, std::max(seed.a->size(p), seed.b->size(q)), seed.parts, difference.latency);
+    if (&seed == seeds.data()) {
+      difference.lag_ms = lag_ms(profile_a, profile_b);
+    }
+  }
+  distances(*seeds[0].a, p, *seeds[0].b, q, difference);
+  return difference;
+}
+
 }  // namespace
 
 std::vector<PopulationDifference> compare_spikes(const std::vector<RecordingPair>& pairs,
-                                                 const std::vector<std::uint32_t>& population_of_b) {
-  std::vector<PopulationDifference> found;
-  std::vector<Trains> a, b;
+                                                 const std::vector<std::uint32_t>& population_of_b, unsigned threads) {
+  std::vector<TrainPair> seeds;
+  std::vector<Job> jobs;
   for (const RecordingPair& pair : pairs) {
-    a.emplace_back(pair.a);
-    b.emplace_back(pair.b);
+    seeds.push_back({{}, {}, pair.parts});
   }
+  for (std::size_t s = 0; s < pairs.size(); ++s) {
+    jobs.emplace_back([&, s](const auto&) { seeds[s].a.emplace(pairs[s].a); });
+    jobs.emplace_back([&, s](const auto&) { seeds[s].b.emplace(pairs[s].b); });
+  }
+  run_jobs(jobs, threads, {});
+
+  std::vector<std::optional<PopulationDifference>> differences(population_of_b.size());
+  jobs.clear();
   for (std::size_t q = 0; q < population_of_b.size(); ++q) {
-    const std::uint32_t p = population_of_b[q];
-    if (p == kNoMatch) {
-      continue;
+    if (population_of_b[q] != kNoMatch) {
+      jobs.emplace_back([&, q](const auto&) { differences[q] = difference_of(seeds, population_of_b[q], q); });
     }
-    bool is_same = true;
-    for (std::size_t s = 0; s < pairs.size(); ++s) {
-      is_same = is_same && is_same_population(a[s], p, b[s], q);
+  }
+  run_jobs(jobs, threads, {});
+
+  std::vector<PopulationDifference> found;
+  for (std::size_t q = 0; q < differences.size(); ++q) {
+    if (differences[q]) {
+      found.push_back(std::move(*differences[q]));
+      found.back().name = pairs.front().b.populations[q].name;
     }
-    if (is_same) {
-      continue;
-    }
-    PopulationDifference difference;
-    difference.name = pairs.front().b.populations[q].name;
-    difference.rate = {"rate", "Hz", {}, {}};
-    difference.latency = {"latency", "ms", {}, {}};
-    for (std::size_t s = 0; s < pairs.size(); ++s) {
-      difference.rate.a.push_back(a[s].rate_hz(p));
-      difference.rate.b.push_back(b[s].rate_hz(q));
-      const std::vector<double> profile_a = a[s].profile(p), profile_b = b[s].profile(q);
-      latencies(profile_a, profile_b, std::max(a[s].size(p), b[s].size(q)), pairs[s].parts, difference.latency);
-      if (s == 0) {
-        difference.lag_ms = lag_ms(profile_a, profile_b);
-      }
-    }
-    distances(a[0], p, b[0], q, difference);
-    found.push_back(std::move(difference));
   }
   return found;
 }

@@ -25,6 +25,7 @@ class OpenLoopRun {
  public:
   /// All three outlive it. `lit` holds neurons of the image by frame of `input`.
   OpenLoopRun(const SpikeImage& image, const Recording& input, const LitNeurons& lit);
+  OpenLoopRun(const SpikeImage&, const Recording&, LitNeurons&&) = delete;  // it keeps a reference
   /// Frames one after the other, from 0 on.
   void run_frame(std::size_t frame);
   [[nodiscard]] const Recording& recording() const { return recording_; }

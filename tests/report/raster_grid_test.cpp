@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 #include <algorithm>
+#include <array>
 
 #include "tests/report/synthetic_recording.h"
 #include "tools/analysis/population_rates.h"
@@ -69,6 +70,42 @@ TEST_CASE("a population that never fires is listed and takes no lane") {
   REQUIRE(layout.silent.size() == 1);
   CHECK(recording.populations[layout.silent[0]].name == "S.left");
   CHECK(layout.lanes.size() == recording.populations.size() - 1);
+}
+
+TEST_CASE("of grids over each other the one with most spikes in a cell is drawn there, and none hides another") {
+  // Per cell: shared, of the first alone, of the second alone.
+  const std::vector<std::array<std::uint16_t, 3>> cells = {{5, 0, 0}, {0, 3, 0}, {0, 0, 3}, {0, 4, 4},
+                                                           {5, 1, 0}, {1, 9, 2}, {0, 2, 9}, {0, 0, 0}};
+  const std::vector<std::size_t> owners = {0, 1, 2, 0, 0, 1, 2, 3};
+  std::vector<RasterGrid> grids(3, RasterGrid{1, cells.size(), std::vector<std::uint16_t>(cells.size()), 0});
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    for (std::size_t g = 0; g < 3; ++g) {
+      grids[g].counts[c] = cells[c][g];
+    }
+  }
+  const std::vector<RasterGrid> drawn = coarsen_overlay(grids, 100);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    CAPTURE(c);
+    for (std::size_t g = 0; g < 3; ++g) {
+      const int all = cells[c][0] + cells[c][1] + cells[c][2];
+      CHECK(drawn[g].counts[c] == (g == owners[c] ? all : 0));
+    }
+  }
+}
+
+TEST_CASE("grids over each other are coarsened alike, to so many runs together") {
+  std::vector<RasterGrid> grids(3, RasterGrid{16, 64, std::vector<std::uint16_t>(16 * 64), 0});
+  for (std::size_t cell = 0; cell < grids[0].counts.size(); ++cell) {
+    grids[cell % 3].counts[cell] = 1;
+  }
+  REQUIRE(count_overlay_runs(grids) > 40);
+  const std::vector<RasterGrid> drawn = coarsen_overlay(grids, 40);
+  CHECK(count_runs(drawn[0]) + count_runs(drawn[1]) + count_runs(drawn[2]) <= 40);
+  CHECK(sum(drawn[0]) + sum(drawn[1]) + sum(drawn[2]) == 16 * 64);
+  for (const RasterGrid& grid : drawn) {
+    CHECK(grid.rows == drawn[0].rows);
+    CHECK(grid.columns == drawn[0].columns);
+  }
 }
 
 }  // namespace

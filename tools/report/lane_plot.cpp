@@ -76,6 +76,19 @@ std::string rate_commands(const std::vector<double>& rate_hz, double peak_hz, co
   return is_closed ? commands + fmt::format("V{:.1f}Z", bottom) : commands;
 }
 
+void draw_overlay_lane(SvgBody& svg, const std::vector<RasterGrid>& grids, const std::vector<OverlayRaster>& rasters,
+                       const Lane& lane, const Box& plot) {
+  for (std::size_t g = 0; g < grids.size(); ++g) {
+    const double row_px = lane.height_px / static_cast<double>(grids[g].rows);
+    const auto paths = raster_paths(grids[g], {plot.x, plot.y + lane.y_px, plot.width, lane.height_px});
+    for (std::size_t level = 0; level < kDarknessLevels; ++level) {
+      svg.path(paths[level], "s-" + rasters[g].ink,
+               fmt::format("stroke-width=\"{}\" stroke-opacity=\"{}\"",
+                           coordinate(std::clamp(row_px * 0.85, 1.0, 10.0)), kDarkness[level]));
+    }
+  }
+}
+
 template <typename Plot>
 std::string responsive_plot(const Plot& plot, const std::string& description) {
   std::string svgs;
@@ -168,25 +181,21 @@ void OverlayPlot::draw(SvgBody& svg, const Box& box) const {
   const LaneWindow& window = options_.window;
   draw_marks(svg, options_, plot);
   draw_lane_frame(svg, recording, layout, plot, box.x, window.begin_s, window.end_s);
+  std::vector<std::vector<RasterGrid>> lanes(layout.lanes.size());  // a grid of each raster
   for (const OverlayRaster& raster : rasters_) {
     std::vector<RasterGrid> grids =
         raster_grids(*raster.recording, layout, window.begin_s, window.end_s, static_cast<std::size_t>(plot.width));
-    std::vector<std::size_t> runs;
-    for (const RasterGrid& grid : grids) {
-      runs.push_back(count_runs(grid));
+    for (std::size_t k = 0; k < lanes.size(); ++k) {
+      lanes[k].push_back(std::move(grids[k]));
     }
-    const std::size_t runs_a_lane = fair_cap(runs, options_.max_runs / rasters_.size());
-    for (std::size_t k = 0; k < grids.size(); ++k) {
-      const Lane& lane = layout.lanes[k];
-      const RasterGrid grid = coarsen(std::move(grids[k]), runs_a_lane);
-      const double row_px = lane.height_px / static_cast<double>(grid.rows);
-      const auto paths = raster_paths(grid, {plot.x, plot.y + lane.y_px, plot.width, lane.height_px});
-      for (std::size_t level = 0; level < kDarknessLevels; ++level) {
-        svg.path(paths[level], "s-" + raster.ink,
-                 fmt::format("stroke-width=\"{}\" stroke-opacity=\"{}\"",
-                             coordinate(std::clamp(row_px * 0.85, 1.0, 10.0)), kDarkness[level]));
-      }
-    }
+  }
+  std::vector<std::size_t> runs;
+  for (const std::vector<RasterGrid>& grids : lanes) {
+    runs.push_back(count_overlay_runs(grids));
+  }
+  const std::size_t runs_a_lane = fair_cap(runs, options_.max_runs);
+  for (std::size_t k = 0; k < lanes.size(); ++k) {
+    draw_overlay_lane(svg, coarsen_overlay(std::move(lanes[k]), runs_a_lane), rasters_, layout.lanes[k], plot);
   }
 }
 

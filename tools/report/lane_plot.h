@@ -61,8 +61,8 @@ struct OverlayRaster {
   std::string ink;                       // a role of tools/report/theme.h
 };
 
-/// Rasters over each other, each in its own ink, the last on top. `summaries` are of all their spikes together, and
-/// must outlive the plot.
+/// Rasters over each other, each in its own ink, the first of what the others share; a place has the ink of most spikes
+/// there (tools/report/raster_grid.h). `summaries` are of all their spikes together, and must outlive the plot.
 class OverlayPlot {
  public:
   OverlayPlot(std::vector<OverlayRaster> rasters, const std::vector<PopulationSummary>& summaries,

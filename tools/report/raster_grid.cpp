@@ -74,6 +74,50 @@ RasterGrid halved(const RasterGrid& grid, bool halves_rows) {
   return half;
 }
 
+/// One grid's share of a cell each; Needs: shared first.
+void settle_cell(std::vector<std::uint16_t>& counts) {
+  unsigned total = counts.front();
+  std::size_t most = 0;
+  for (std::size_t g = 1; g < counts.size(); ++g) {
+    total += counts[g];
+    most = most == 0 || counts[g] > counts[most] ? g : most;
+  }
+  const unsigned alone = counts.size() < 2 ? 0 : counts[most];
+  const unsigned others = total - counts.front() - alone;
+  // Each of the others' spikes takes one of the largest along.
+  const unsigned left = alone - std::min(alone, others);
+  const std::size_t owner = left > total - left ? most : 0;
+  std::fill(counts.begin(), counts.end(), std::uint16_t{0});
+  counts[owner] = static_cast<std::uint16_t>(std::min<unsigned>(kFull, total));
+}
+
+std::vector<RasterGrid> settled(std::vector<RasterGrid> grids) {
+  std::vector<std::uint16_t> counts(grids.size());
+  for (std::size_t cell = 0; cell < grids.front().counts.size(); ++cell) {
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+      counts[g] = grids[g].counts[cell];
+    }
+    settle_cell(counts);
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+      grids[g].counts[cell] = counts[g];
+    }
+  }
+  return grids;
+}
+
+std::size_t total_runs(const std::vector<RasterGrid>& grids) {
+  std::size_t runs = 0;
+  for (const RasterGrid& grid : grids) {
+    runs += count_runs(grid);
+  }
+  return runs;
+}
+
+bool takes_rows_first(const RasterGrid& grid) {
+  // Time is what a raster is read for: rows go first, down to eight.
+  return grid.rows > 8 || grid.columns == 1;
+}
+
 }  // namespace
 
 std::vector<RasterGrid> raster_grids(const Recording& recording, const LaneLayout& layout, double begin_s, double end_s,
@@ -130,10 +174,22 @@ std::size_t fair_cap(std::vector<std::size_t> runs, std::size_t budget) {
 
 RasterGrid coarsen(RasterGrid grid, std::size_t max_runs) {
   while ((grid.rows > 1 || grid.columns > 1) && count_runs(grid) > max_runs) {
-    // Time is what a raster is read for: rows go first, down to eight.
-    grid = halved(grid, grid.rows > 8 || grid.columns == 1);
+    grid = halved(grid, takes_rows_first(grid));
   }
   return grid;
+}
+
+std::size_t count_overlay_runs(const std::vector<RasterGrid>& grids) { return total_runs(settled(grids)); }
+
+std::vector<RasterGrid> coarsen_overlay(std::vector<RasterGrid> grids, std::size_t max_runs) {
+  std::vector<RasterGrid> drawn = settled(grids);
+  while ((grids.front().rows > 1 || grids.front().columns > 1) && total_runs(drawn) > max_runs) {
+    for (RasterGrid& grid : grids) {
+      grid = halved(grid, takes_rows_first(grid));
+    }
+    drawn = settled(grids);
+  }
+  return drawn;
 }
 
 std::array<std::string, kDarknessLevels> raster_paths(const RasterGrid& grid, const Box& box) {

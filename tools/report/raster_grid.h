@@ -35,6 +35,13 @@ struct RasterGrid {
 /// Halves the resolution, rows or columns, whichever has more, until the grid draws in at most `max_runs` runs.
 [[nodiscard]] RasterGrid coarsen(RasterGrid grid, std::size_t max_runs);
 
+/// For grids of one lane that are drawn over each other, the first of what the others share, so that none hides
+/// another: within a cell a spike of one and a spike of the other are taken for one that they share, a little apart,
+/// and then the cell belongs to the grid with most spikes in it. All are coarsened alike, to at most `max_runs` runs
+/// together.
+[[nodiscard]] std::vector<RasterGrid> coarsen_overlay(std::vector<RasterGrid> grids, std::size_t max_runs);
+[[nodiscard]] std::size_t count_overlay_runs(const std::vector<RasterGrid>& grids);
+
 inline constexpr std::size_t kDarknessLevels = 4;
 
 /// Path commands, one path a level of darkness (the last is the darkest): horizontal strokes that fill the box.

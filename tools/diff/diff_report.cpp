@@ -97,10 +97,11 @@ void add_connectome(ReportPage& page, const Comparison& found) {
   page.heading("The connectome");
   page.figure("The second circuit",
               names.empty() ? "No population and no projection differs."
-                            : "In colour: populations and projections that are new or changed.",
+                            : "Heavy and purple: populations and projections that are new or changed.",
               responsive_connectome(connectome_of(found.b.view, names)));
   if (loses) {
-    page.figure("The first circuit", "In colour: populations and projections that are gone or changed in the second.",
+    page.figure("The first circuit",
+                "Heavy and purple: populations and projections that are gone or changed in the second.",
                 responsive_connectome(connectome_of(found.a.view, changed_names(found.structure, false))));
   }
 }
@@ -122,8 +123,7 @@ void add_divergence(ReportPage& page, const Divergence& divergence) {
   for (const DivergenceLink& link : divergence.links) {
     std::string text = fmt::format("{} {}", link.what, link.how);
     text += link.others == 0 ? "" : fmt::format(", with {} more of {}", link.others, link.population);
-    const char* joins = link.from.empty() && link.kind != LinkKind::Command ? ", because " : ", ";
-    text += link.why.empty() ? "" : joins + link.why;
+    text += why_clause(link);
     table.rows.push_back({number_text(link.time_ms, 1), with_arrows(text)});
   }
   page.table(table);
@@ -235,17 +235,17 @@ void add_populations(ReportPage& page, const Behaviour& behaviour) {
     return;
   }
   page.paragraph(fmt::format(
-      "{} differ{}.", behaviour.populations.size(),
-      behaviour.populations.size() > kMostRows ? fmt::format("; the {} that differ most", kMostRows) : std::string()));
+      "{} of {} differ{}.", behaviour.populations.size(), behaviour.first_b.populations.size(),
+      behaviour.populations.size() > kMostRows ? fmt::format(". These {} differ most", kMostRows) : std::string()));
   ReportTable rates;
-  rates.header = {"mean rate", "first", "second", "change", "later"};
+  rates.header = {"mean rate, Hz", "first", "second", "change", "later, ms"};
   ReportTable distances;
   distances.header = {"distance", "van Rossum", "Vic.-Pur.", "SPIKE"};
   for (const PopulationDifference* p : by_distance(behaviour)) {
     const bool has_latency = !p->latency.a.empty();
     const std::string later =
-        has_latency ? change_text(p->latency, 1) + (p->latency.exceeds_spread().value_or(false) ? " ms*" : " ms") : "–";
-    rates.rows.push_back({p->name, number_text(p->rate.mean_a(), 1) + " Hz", number_text(p->rate.mean_b(), 1) + " Hz",
+        has_latency ? change_text(p->latency, 1) + (p->latency.exceeds_spread().value_or(false) ? "*" : "") : "–";
+    rates.rows.push_back({p->name, number_text(p->rate.mean_a(), 1), number_text(p->rate.mean_b(), 1),
                           change_text(p->rate, 1) + (p->rate.exceeds_spread().value_or(false) ? "*" : ""), later});
     distances.rows.push_back(
         {p->name, number_text(p->van_rossum, 2), number_text(p->victor_purpura, 1), number_text(p->spike, 3)});
@@ -288,7 +288,10 @@ void add_rasters(ReportPage& page, const Comparison& found) {
               overlay.picture({.window = zoom, .max_lane_px = 44, .marks_s = steps_s, .shades = {}},
                               "spikes of both circuits around their first difference"));
   page.figure(
-      "Whole run", steps_s.empty() ? "" : "Thin vertical lines: the target jumps.",
+      "Whole run",
+      std::string(steps_s.empty() ? "" : "Thin vertical lines: the target jumps. ") +
+          "Where several spikes share a point, it has the colour of most of them; a spike of the first and one of the "
+          "second count as a spike of both there.",
       overlay.picture({.window = {range.begin_s, range.end_s}, .max_lane_px = 30, .marks_s = steps_s, .shades = {zoom}},
                       "spikes of both circuits over the whole run"));
 }

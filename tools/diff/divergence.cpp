@@ -183,6 +183,10 @@ std::string link_text(const DivergenceLink& link) {
 
 Divergence find_divergence(const DivergenceInput& input) { return DivergenceFinder(input).run(); }
 
+std::string why_clause(const DivergenceLink& link) {
+  return link.why.empty() ? "" : (link.from.empty() ? ", because " : ", ") + link.why;
+}
+
 std::string divergence_text(const Divergence& divergence, std::size_t most_links) {
   if (divergence.links.empty()) {
     return fmt::format("no spike, potential or command differs in {:.4g} s\n", divergence.compared_s);
@@ -195,8 +199,8 @@ std::string divergence_text(const Divergence& divergence, std::size_t most_links
   const std::size_t shown = std::min(divergence.links.size(), most_links + 1);
   for (std::size_t k = 1; k < shown; ++k) {
     const DivergenceLink& link = divergence.links[k];
-    text += fmt::format("{}{:>8.1f} ms  {}{}{}\n", k == 1 ? "what follows:\n" : "", link.time_ms, link_text(link),
-                        link.why.empty() ? "" : ", ", link.why);
+    text += fmt::format("{}{:>8.1f} ms  {}{}\n", k == 1 ? "what follows:\n" : "", link.time_ms, link_text(link),
+                        why_clause(link));
   }
   if (shown < divergence.links.size()) {
     text += fmt::format("             and {} more populations and joints\n", divergence.links.size() - shown);

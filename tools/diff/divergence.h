@@ -43,6 +43,9 @@ struct DivergenceInput {
 /// Compares, and explains. Looks at potentials only where neither a spike nor a command tells the two apart.
 [[nodiscard]] Divergence find_divergence(const DivergenceInput& input);
 
+/// ", through llbn_ebn, ..." or ", because weight of ..." to follow what happened; empty where nobody knows why.
+[[nodiscard]] std::string why_clause(const DivergenceLink& link);
+
 /// Lines for people; names no more than `most_links` places.
 [[nodiscard]] std::string divergence_text(const Divergence& divergence, std::size_t most_links = 8);
 

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "runtime/record/recorder_thread.h"
 #include "runtime/record/recording_file.h"
 #include "tools/analysis/simulated_run.h"
+#include "tools/live/stolen_time.h"
 
 namespace tectum {
 namespace {
@@ -144,6 +146,7 @@ void LiveLoop::note_turn() {
 void LiveLoop::loop_thread() {
   refused_ = enter_real_time(options_.real_time);
   wait_for_phase();
+  const std::optional<ProcessorTicks> before = processor_ticks_now();
   start_ns_ = clock_.now_ns();
   is_running_ = true;
   while (!is_over(start_ns_)) {
@@ -156,6 +159,9 @@ void LiveLoop::loop_thread() {
   result_.recording.duration_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   result_.figures.loop = loop_.counters();
   result_.figures.missed_deadlines += loop_.counters().skipped_periods;
+  if (const std::optional<ProcessorTicks> after = processor_ticks_now(); before && after) {
+    result_.figures.stolen_share = stolen_share(*before, *after);
+  }
   recorder_.end_turns();
   const GuardRequest request = controls_.request;
   const bool may_move = request == GuardRequest::None || request == GuardRequest::Park;  // not after a stop

@@ -58,6 +58,7 @@ struct LiveFigures {
   std::array<LatencyHistogram, 5> stages;  // read, encode, step, decode, write
   HeadReport head;
   std::uint64_t lost_frames = 0, lost_spikes = 0;  // by the recorder
+  double stolen_share = 0;                         // of the processors' time, by the host of a virtual machine
 };
 
 struct LiveRun {

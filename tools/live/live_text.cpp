@@ -41,6 +41,12 @@ std::string live_figures_text(const LiveRun& run) {
   text += fmt::format("\nmissed deadlines: {} of {} periods ({} commands late, {} periods skipped)\n",
                       f.missed_deadlines, f.loop.turns + f.loop.skipped_periods,
                       f.missed_deadlines - f.loop.skipped_periods, f.loop.skipped_periods);
+  constexpr double kWorthSaying = 0.005;
+  if (f.stolen_share > kWorthSaying) {
+    text += fmt::format(
+        "host: kept {:.0f} % of this virtual machine's processors for itself; nobody in it can be in time\n",
+        100 * f.stolen_share);
+  }
   text += fmt::format("frames: left {}, right {}; refused {}; commands {} ({} not taken)\n", f.loop.frames[0],
                       f.loop.frames[1], f.loop.refused_frames[0] + f.loop.refused_frames[1], f.head.commands,
                       f.loop.failed_writes);
@@ -76,6 +82,7 @@ std::string live_figures_json(const LiveRun& run) {
                        {"missed", f.missed_deadlines},
                        {"late_commands", f.missed_deadlines - f.loop.skipped_periods},
                        {"skipped_periods", f.loop.skipped_periods}};
+  json["stolen_share"] = f.stolen_share;
   json["bus"] = {{"commands", f.head.commands},
                  {"commands_not_taken", f.loop.failed_writes},
                  {"questions", f.head.wire.requests},

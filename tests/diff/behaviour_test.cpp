@@ -197,3 +197,24 @@ TEST_CASE("the Victor-Purpura distance of long trains is that of its definition"
     }
   }
 }
+
+TEST_CASE("an edit that acts at a later place is named as its cause, and a pathway as the way there") {
+  Divergence divergence;
+  DivergenceLink first, edited, reached;
+  first.what = "EBN[0]";
+  first.time_ms = 1;
+  edited.what = "EBN_v[0]";
+  edited.time_ms = 2;
+  edited.how = "fires in the second only";
+  edited.why = "weight of llbn_ebn_v is 2 nA instead of 1 nA";
+  reached.what = "IBN[0]";
+  reached.time_ms = 3;
+  reached.how = "fires in the second only";
+  reached.why = "through ebn_ibn";
+  reached.from = "EBN";
+  divergence.links = {first, edited, reached};
+  const std::string text = divergence_text(divergence);
+  CAPTURE(text);
+  CHECK(text.find("fires in the second only, because weight of llbn_ebn_v is 2 nA") != std::string::npos);
+  CHECK(text.find("fires in the second only, through ebn_ibn") != std::string::npos);
+}

@@ -97,11 +97,11 @@ void add_connectome(ReportPage& page, const Comparison& found) {
   page.heading("The connectome");
   page.figure("The second circuit",
               names.empty() ? "No population and no projection differs."
-                            : "Heavy and purple: populations and projections that are new or changed.",
+                            : "Heavy and pink: populations and projections that are new or changed.",
               responsive_connectome(connectome_of(found.b.view, names)));
   if (loses) {
     page.figure("The first circuit",
-                "Heavy and purple: populations and projections that are gone or changed in the second.",
+                "Heavy and pink: populations and projections that are gone or changed in the second.",
                 responsive_connectome(connectome_of(found.a.view, changed_names(found.structure, false))));
   }
 }

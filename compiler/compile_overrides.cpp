@@ -1,5 +1,7 @@
 #include "compiler/compile_overrides.h"
 
+#include <algorithm>
+
 #include <utility>
 
 namespace tectum {
@@ -37,7 +39,12 @@ Overrides make_overrides(const CompileOptions& options, Sources& sources, Diagno
   for (const std::string& text : options.lesions) {
     const FileId file = sources.add({"--lesion", text});
     LesionDecl lesion;
-    lesion.targets.push_back(name_in(file, text, 0, text.size()));
+    const std::size_t colon = text.find(':');  // "EBN.left:0.5": half of it
+    lesion.targets.push_back(name_in(file, text, 0, std::min(colon, text.size())));
+    if (colon != std::string::npos) {
+      const NameDecl fraction = name_in(file, text, colon + 1, text.size());
+      lesion.fraction = {false, 0, fraction.text, fraction.span, true};
+    }
     overrides.lesions.push_back(std::move(lesion));
   }
   return overrides;

@@ -18,6 +18,7 @@ MeasuredProtocol measure_movements(const SpikeImage& image, const Protocol& prot
     case ProtocolKind::Tracking:
     case ProtocolKind::Physiology:
     case ProtocolKind::Learning:
+    case ProtocolKind::Clinic:
       break;
   }
   return {};

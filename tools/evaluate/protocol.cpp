@@ -269,7 +269,8 @@ Protocol ProtocolReader::read() {
   protocol_.name = in.text("name");
   protocol_.about = in.text("about");
   protocol_.kind = static_cast<ProtocolKind>(
-      word(in, "kind", {"tracking", "physiology", "learning", "saccades", "pursuit", "vergence", "gaze", "fixation"}));
+      word(in, "kind",
+           {"tracking", "physiology", "learning", "saccades", "pursuit", "vergence", "gaze", "fixation", "clinic"}));
   read_trials(in);
   read_movement(in);
   using Read = void (ProtocolReader::*)(JsonId);
@@ -283,6 +284,7 @@ Protocol ProtocolReader::read() {
       (this->*read)(id);
     }
   }
+  (void)in.child("clinic");  // read by clinic_file.cpp
   // The movement protocols make their own targets out of their lists.
   if (!in.has("target") && (protocol_.kind == ProtocolKind::Tracking || protocol_.kind == ProtocolKind::Physiology)) {
     in.report_missing("target");

@@ -11,6 +11,7 @@
 #include "tools/evaluate/movements.h"
 #include "tools/evaluate/physiology.h"
 #include "tools/evaluate/tracking_evaluation.h"
+#include "tools/tectum/eval_clinic.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/load_protocol.h"
 #include "tools/tectum/progress.h"
@@ -180,13 +181,23 @@ void measure_one_kind(const EvalArguments& arguments, const Protocol& protocol, 
 }
 
 void run(const EvalArguments& arguments, CommandContext& context) {
-  if (!arguments.report_path.empty() && !arguments.others.empty()) {
-    context.err << "tectum: --report is for one circuit at a time\n";
-    context.exit_status = kExitTrouble;
-    return;
-  }
   const std::optional<Protocol> protocol = protocol_of(arguments, context);
   if (!protocol) {
+    return;
+  }
+  if (protocol->kind == ProtocolKind::Clinic) {
+    std::vector<CircuitArguments> circuits = {arguments.circuit};
+    for (const std::string& path : arguments.others) {
+      circuits.push_back(arguments.circuit);
+      circuits.back().path = path;
+    }
+    eval_clinic(circuits, *protocol, protocol_path(arguments.protocol, arguments.circuit.path), arguments.report_path,
+                arguments.threads, context);
+    return;
+  }
+  if (!arguments.report_path.empty() && !arguments.others.empty()) {
+    context.err << "tectum: --report is for one circuit at a time, except in the clinic\n";
+    context.exit_status = kExitTrouble;
     return;
   }
   const std::vector<SpikeImage> images = load_circuits(arguments, context);
@@ -251,6 +262,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       "side\n"
       "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
       "  tectum eval circuits/oculomotor.json --protocol saccades --report out/saccades.html\n"
+      "  tectum eval circuits/oculomotor.json --protocol clinic --report out/clinic.html\n"
       "  tectum eval circuits/oculomotor.json --protocol paper --tune-pid      how the PID servo's gains were found\n");
   command->callback([arguments, &context] { run(*arguments, context); });
 }

@@ -32,8 +32,8 @@ void add_circuit_arguments(CLI::App& command, CircuitArguments& arguments, Circu
   command.add_option("circuit", arguments.path, what)->required()->type_name("CIRCUIT");
   command
       .add_option("--lesion", arguments.lesions,
-                  "take out a population (OPN), one side (EBN.left), a projection (sc_llbn) or a pathway (SC*->LLBN); "
-                  "repeatable")
+                  "take out a population (OPN), one side (EBN.left), a projection (sc_llbn) or a pathway (SC*->LLBN), "
+                  "or a share of it (OPN:0.5); repeatable")
       ->type_name("NAME")
       ->expected(1)
       ->take_all();

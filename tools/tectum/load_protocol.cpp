@@ -12,15 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path protocol_path(const std::string& name, const std::string& circuit_path) {
-  std::error_code ignored;
-  if (name.ends_with(".json")) {
-    return name;
-  }
-  const fs::path beside = fs::path(circuit_path).parent_path() / "protocols" / (name + ".json");
-  return fs::exists(beside, ignored) ? beside : fs::path("circuits/protocols") / (name + ".json");
-}
-
 std::string known_protocols(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -34,6 +25,15 @@ std::string known_protocols(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string protocol_path(const std::string& name, const std::string& circuit_path) {
+  std::error_code ignored;
+  if (name.ends_with(".json")) {
+    return name;
+  }
+  const fs::path beside = fs::path(circuit_path).parent_path() / "protocols" / (name + ".json");
+  return (fs::exists(beside, ignored) ? beside : fs::path("circuits/protocols") / (name + ".json")).string();
+}
 
 std::optional<Protocol> load_protocol(const std::string& name, const std::string& circuit_path,
                                       CommandContext& context) {

@@ -9,8 +9,10 @@
 
 namespace tectum {
 
-/// A file when the name ends in .json; else protocols/NAME.json beside the circuit, else under circuits/ here. Prints
-/// what is wrong and sets the exit status when there is nothing to return.
+/// A file when the name ends in .json; else protocols/NAME.json beside the circuit, else under circuits/ here.
+[[nodiscard]] std::string protocol_path(const std::string& name, const std::string& circuit_path);
+
+/// Prints what is wrong and sets the exit status when there is nothing to return.
 [[nodiscard]] std::optional<Protocol> load_protocol(const std::string& name, const std::string& circuit_path,
                                                     CommandContext& context);
 

@@ -34,6 +34,7 @@ th:first-child,td:first-child{text-align:left;padding-left:0}
 thead th{font-size:13px;color:var(--muted);font-weight:600}
 table.text th,table.text td{text-align:left;white-space:normal;overflow-wrap:anywhere}
 table.text td:first-child,table.text th:first-child{min-width:6.5em;overflow-wrap:normal}
+table.text td:nth-child(2){min-width:4.2em}
 td small{display:block;color:var(--muted);font-size:12px;line-height:1.3}
 details>summary{cursor:pointer;color:var(--muted);margin:8px 0}
 code{font-size:13px;overflow-wrap:anywhere}

@@ -167,7 +167,8 @@ void add_calibrate_command(CLI::App& app, CommandContext& context) {
       ->check(CLI::Range(1, kHighestDegree));
   command->add_option("--picture", arguments->picture_path, "draw fits and residuals as SVG")->type_name("FILE");
   command->add_option("--head", arguments->head_path, "head file whose joints to calibrate")->type_name("FILE");
-  command->add_option("--out", arguments->out_path, "with --head: write the calibrated head file")->type_name("FILE");
+  command->add_option("-o,--out", arguments->out_path, "with --head: write the calibrated head file")
+      ->type_name("FILE");
   command->add_option("--format", arguments->format, "what to print: text or json")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();

@@ -227,7 +227,7 @@ void add_options(CLI::App& command, SweepArguments& arguments) {
       ->expected(1)
       ->take_all();
   command.add_option("--circuit-seed", arguments.circuit_seed, "instead of the file's `seed`")->type_name("N");
-  command.add_option("--out", arguments.folder, "folder of the results [out/sweep_CIRCUIT_PROTOCOL]")
+  command.add_option("-o,--out", arguments.folder, "folder of the results [out/sweep_CIRCUIT_PROTOCOL]")
       ->type_name("FOLDER");
   command.add_option("--threads", arguments.threads, "runs side by side; never changes a result [one for each core]")
       ->check(CLI::Range(1U, 1024U))

@@ -51,8 +51,9 @@ struct ReferenceDecl {
 struct ParameterDecl {
   NameDecl name;
   ValueDecl value;
-  std::vector<ValueDecl> range;  // none, or lowest and highest
-  std::string about;
+  std::vector<ValueDecl> range;   // none, or lowest and highest
+  std::optional<NameDecl> basis;  // where the value comes from, when no source gives it
+  ProvenanceDecl provenance;
 };
 
 struct AxisDecl {

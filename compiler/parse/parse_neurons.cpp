@@ -91,8 +91,8 @@ ParameterDecl parse_parameter(const SectionContext& context, const Member& membe
   ObjectReader reader(context.tree, member.id, described("parameter", member.name), context.diagnostics);
   decl.value = reader.required_value("value");
   decl.range = reader.values("range", 2);
-  decl.about = reader.text("about");
-  static_cast<void>(reader.names("cite"));
+  decl.basis = reader.name("basis");
+  decl.provenance = reader.provenance();
   reader.finish();
   return decl;
 }

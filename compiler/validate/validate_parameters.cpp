@@ -144,11 +144,25 @@ void report_unknown_overrides(Validation& v) {
   }
 }
 
+void check_source(Validation& v, const ParameterDecl& parameter) {
+  v.check_cites(parameter.provenance);
+  if (!parameter.basis || parameter.basis->is_poisoned) {
+    return;
+  }
+  const std::vector<std::string> bases = {"fitted", "derived", "chosen"};
+  if (std::find(bases.begin(), bases.end(), parameter.basis->text) == bases.end()) {
+    v.diagnostics()
+        .add(Code::UnknownWord, parameter.basis->span, {"basis", parameter.basis->text})
+        .help("a value that no source gives is `fitted`, `derived` from other numbers, or `chosen`");
+  }
+}
+
 }  // namespace
 
 void validate_parameters(Validation& v) {
   const auto check_names = [&](const std::vector<ParameterDecl>& parameters) {
     for (const ParameterDecl& parameter : parameters) {
+      check_source(v, parameter);
       if (is_reserved(v, parameter.name.text)) {
         v.diagnostics()
             .add(Code::BadName, parameter.name.span, {parameter.name.text})

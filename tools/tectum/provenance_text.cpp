@@ -28,6 +28,55 @@ std::string uncited(const char* kind, const Decls& decls, const Sources& sources
   return fmt::format("{} of {} {} cite no source{}\n{}", count, decls.size(), kind, count == 0 ? "" : ":", lines);
 }
 
+/// A parameter of the circuit, or of a module of it.
+struct SourcedParameter {
+  std::string name;
+  const ParameterDecl* decl;
+
+  [[nodiscard]] bool has_source() const { return decl->basis || !decl->provenance.cites.empty(); }
+};
+
+/// Where the circuit's parameters come from. What is fitted or derived from a source counts as that, not as cited.
+struct ParameterSources {
+  std::vector<SourcedParameter> parameters;
+  std::vector<SourcedParameter> without;
+  std::size_t cited = 0, fitted = 0, derived = 0, chosen = 0;
+};
+
+ParameterSources parameter_sources(const CircuitDecl& circuit) {
+  ParameterSources found;
+  for (const ParameterDecl& decl : circuit.parameters) {
+    found.parameters.push_back({decl.name.text, &decl});
+  }
+  for (const ModuleDecl& module : circuit.modules) {
+    for (const ParameterDecl& decl : module.parameters) {
+      found.parameters.push_back({module.name.text + "." + decl.name.text, &decl});
+    }
+  }
+  for (const SourcedParameter& parameter : found.parameters) {
+    const std::string basis = parameter.decl->basis ? parameter.decl->basis->text : "";
+    found.fitted += basis == "fitted" ? 1 : 0;
+    found.derived += basis == "derived" ? 1 : 0;
+    found.chosen += basis == "chosen" ? 1 : 0;
+    found.cited += basis.empty() && parameter.has_source() ? 1 : 0;
+    if (!parameter.has_source()) {
+      found.without.push_back(parameter);
+    }
+  }
+  return found;
+}
+
+std::string parameters_text(const CircuitDecl& circuit, const Sources& sources) {
+  const ParameterSources found = parameter_sources(circuit);
+  std::string lines;
+  for (const SourcedParameter& parameter : found.without) {
+    lines += fmt::format("  {:<24} {}\n", parameter.name, place(sources, parameter.decl->name.span));
+  }
+  return fmt::format("{} of {} parameters have no source; {} cited, {} fitted, {} derived, {} chosen{}\n{}",
+                     found.without.size(), found.parameters.size(), found.cited, found.fitted, found.derived,
+                     found.chosen, lines.empty() ? "" : ":", lines);
+}
+
 /// Projections without a source, and what they make of the network.
 struct UncitedProjections {
   std::vector<std::size_t> projections;
@@ -71,6 +120,19 @@ std::string uncited_json(const char* kind, const Decls& decls, const Sources& so
   return fmt::format("\"{}\": {{\"total\": {}, \"uncited\": [{}]}}", kind, decls.size(), fmt::join(items, ", "));
 }
 
+std::string parameters_json(const CircuitDecl& circuit, const Sources& sources) {
+  const ParameterSources found = parameter_sources(circuit);
+  std::vector<std::string> items;
+  for (const SourcedParameter& parameter : found.without) {
+    items.push_back("{" + place_json(parameter.name, parameter.decl->name.span, sources) + "}");
+  }
+  return fmt::format(
+      "\"parameters\": {{\"total\": {}, \"cited\": {}, \"fitted\": {}, \"derived\": {}, \"chosen\": {}, "
+      "\"without_source\": "
+      "[{}]}}",
+      found.parameters.size(), found.cited, found.fitted, found.derived, found.chosen, fmt::join(items, ", "));
+}
+
 }  // namespace
 
 std::string provenance_text(const CompileResult& result) {
@@ -82,7 +144,7 @@ std::string provenance_text(const CompileResult& result) {
     lines += fmt::format("  {:<24} {:>9} synapses  {}\n", projection.name, found.synapses[p],
                          place(result.sources, projection.name_span));
   }
-  return uncited("neuron types", decl.neurons, result.sources) +
+  return parameters_text(decl, result.sources) + uncited("neuron types", decl.neurons, result.sources) +
          uncited("populations", decl.populations, result.sources) +
          fmt::format("{} of {} projections cite no source, {:.3g} % of {} synapses{}\n{}", found.projections.size(),
                      found.synapses.size(), found.share_percent, result.network->synapses.size(),
@@ -100,9 +162,9 @@ std::string provenance_json(const CompileResult& result) {
                                       found.synapses[p]));
   }
   return fmt::format(
-      "{{{}, {}, \"projections\": {{\"total\": {}, \"uncited\": [{}]}}, \"uncited_synapses\": {}, "
+      "{{{}, {}, {}, \"projections\": {{\"total\": {}, \"uncited\": [{}]}}, \"uncited_synapses\": {}, "
       "\"uncited_share_percent\": {:.6g}}}",
-      uncited_json("neuron_types", decl.neurons, result.sources),
+      parameters_json(decl, result.sources), uncited_json("neuron_types", decl.neurons, result.sources),
       uncited_json("populations", decl.populations, result.sources), found.synapses.size(),
       fmt::join(projections, ", "), found.uncited_synapses, found.share_percent);
 }

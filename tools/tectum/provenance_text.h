@@ -6,8 +6,8 @@
 
 namespace tectum {
 
-/// What cites no source: neuron types, populations and projections, each with its place, and what share of the
-/// synapses the uncited projections make. Needs: a result with its network.
+/// What has no source: parameters, neuron types, populations and projections, each with its place, and what share of
+/// the synapses the uncited projections make. Needs: a result with its network.
 [[nodiscard]] std::string provenance_text(const CompileResult& result);
 
 /// The same as one JSON object.

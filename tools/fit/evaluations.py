@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 
 from objective import find_file, named_measures, read_json
+from parameters import suggestion
 from trouble import CircuitError, UsageError
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -52,9 +53,13 @@ def check_bounds(tectum, circuit, parameters):
 class Protocol:
     """A protocol with tuning seeds instead of its own, as a file that `tectum eval` reads."""
 
-    def __init__(self, name, seeds, duration_s, folder):
+    def __init__(self, name, change, seeds, duration_s, folder):
         source = find_file(name, PROTOCOLS, "protocol")
         text = read_json(source)
+        for key in change:
+            if key not in text:
+                raise UsageError(f"protocol `{name}` has no `{key}` that could be changed{suggestion(key, text)}")
+        text.update(change)
         self.given = name
         self.name = text.get("name", source.stem)
         first = int(text.get("first_seed", 0))

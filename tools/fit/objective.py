@@ -12,7 +12,7 @@ from trouble import UsageError
 
 FOLDER = pathlib.Path(__file__).resolve().parent / "objectives"
 TERM_KEYS = {"measures", "target", "below", "above", "minimise", "scale", "weight", "missing", "about"}
-KEYS = {"tectum_objective", "name", "about", "protocol", "terms"}
+KEYS = {"tectum_objective", "name", "about", "protocol", "change", "terms"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,6 +59,7 @@ class Term:
 class Objective:
     name: str
     protocol: str
+    change: dict  # keys of the protocol that are otherwise while tuning, so that an evaluation is short
     terms: tuple
 
     def cost(self, measures):
@@ -103,7 +104,11 @@ def read_objective(name):
     for key in ("name", "protocol", "terms"):
         if not text.get(key):
             raise UsageError(f"{path}: no `{key}`")
-    return Objective(text["name"], text["protocol"], tuple(read_term(term, path) for term in text["terms"]))
+    change = text.get("change", {})
+    for key in ("first_seed", "trials"):
+        if key in change:
+            raise UsageError(f"{path}: `{key}` of the protocol is what --seeds says")
+    return Objective(text["name"], text["protocol"], change, tuple(read_term(term, path) for term in text["terms"]))
 
 
 def refuse_unknown(node, keys, place):

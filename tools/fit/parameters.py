@@ -79,7 +79,7 @@ def checked(name, own_text, axis):
                          "the search starts from the circuit's own values")
     if levels is not None and int(levels) < 2:
         raise UsageError(f"`{name}` needs at least two levels")
-    return Parameter(name, own_unit, own_value, own_text.strip(), low, high, int(levels or 0))
+    return Parameter(name, own_unit, own_value, f"{own_value:.6g} {own_unit}".rstrip(), low, high, int(levels or 0))
 
 
 def parse_axes(texts, values):

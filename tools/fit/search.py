@@ -16,8 +16,8 @@ class Search:
         self.done = 0
 
     def own_point(self):
-        """As the circuit has it: nothing is set."""
-        measures = self.evaluations.measures({})
+        """As the circuit has it."""
+        measures = self.evaluations.measures({parameter.name: parameter.own_text for parameter in self.parameters})
         for objective in self.objectives:
             objective.check_against(measures[objective.protocol])
         self.own_cost = self.best_cost = self.cost_of(measures)

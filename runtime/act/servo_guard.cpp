@@ -9,6 +9,9 @@ namespace {
 
 // A stop goes to the measured angle only while that is recent; at 354 deg/s an older one would be a jump backwards.
 constexpr TimeNs kStopMeasuredWithinNs = 50'000'000;
+// One unit of an AX-12A's goal position (e-manual, Goal Position): a joint that is nearer than that has caught up.
+// Otherwise a head that stands where its circuit wants it would still be approached, and slowed in its first saccade.
+constexpr double kServoUnitDeg = 300.0 / 1023;
 constexpr TimeNs kEver = std::numeric_limits<TimeNs>::min();
 
 /// `from` moved towards `to` by at most `step`.
@@ -169,7 +172,7 @@ void ServoGuard::follow(GuardedJoint& joint, double decoded_deg, double dt_s) no
     const double speed_deg_s =
         has_limit ? std::min(joint.max_speed_deg_s, options_.approach_speed_deg_s) : options_.approach_speed_deg_s;
     joint.goal_deg = moved(joint.goal_deg, wanted_deg, speed_deg_s * dt_s);
-    joint.is_gentle = joint.goal_deg != wanted_deg;
+    joint.is_gentle = std::abs(wanted_deg - joint.goal_deg) > kServoUnitDeg;
   } else {
     joint.goal_deg = has_limit ? moved(joint.goal_deg, wanted_deg, joint.max_speed_deg_s * dt_s) : wanted_deg;
   }

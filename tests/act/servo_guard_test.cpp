@@ -134,6 +134,21 @@ TEST_CASE("the first command is where the joints are, whatever is decoded") {
   CHECK(s.tilt() == doctest::Approx(7));
 }
 
+TEST_CASE("a joint that already stands within a servo's unit of its decoded angle is tracked at once") {
+  for (const double away_deg : {0.28, 0.31}) {
+    Story story;
+    story.feedback.position_deg[kPan] = 5;
+    story.feedback.position_deg[kTilt] = 4;
+    story.decoded[kPan] = 5 + away_deg;
+    story.decoded[kTilt] = 4 - away_deg;
+    story.turn(0);
+    CHECK(story.command.goal_deg[kPan] == 5);  // no time, no movement
+    story.decoded[kTilt] = 14;
+    CHECK(story.turn() == std::string(away_deg < 0.3 ? "tracking" : "approaching"));
+    CHECK(story.command.goal_deg[kTilt] == doctest::Approx(away_deg < 0.3 ? 14 : 5));  // 50 deg/s for 20 ms
+  }
+}
+
 TEST_CASE("no goal leaves the joint's limits") {
   Story s = tracking_story();
   s.decoded = {1000, -1000};

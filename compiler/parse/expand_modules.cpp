@@ -70,7 +70,7 @@ class Expansion {
       const auto same = std::find_if(result.begin(), result.end(),
                                      [&](const ParameterDecl& p) { return p.name.text == given.key.text; });
       if (same == result.end() || given.values.size() != 1) {
-        diagnostics_.add(Code::UnknownParameter, given.key.span, {module_.name.text, given.key.text})
+        diagnostics_.add(Code::UnknownParameter, given.key.span, {"module", module_.name.text, given.key.text})
             .help_if(nearest_name(given.key.text, declared_names(module_.parameters)), "did you mean `{}`?");
       } else {
         same->value = given.values.front();

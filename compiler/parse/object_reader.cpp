@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "compiler/diagnostics/counted.h"
 #include "compiler/expression/expression.h"
 
 namespace tectum {
@@ -124,7 +125,7 @@ std::vector<ValueDecl> ObjectReader::values(std::string_view key, std::size_t co
   }
   if (count != 0 && tree_[id].child_count != count) {
     diagnostics_.add(Code::WrongCount, tree_[id].span,
-                     {fmt::format("`{}`", key), fmt::format("{}", tree_[id].child_count), fmt::format("{}", count)});
+                     {fmt::format("`{}`", key), counted(tree_[id].child_count, "value"), fmt::format("{}", count)});
     return std::vector<ValueDecl>(count, poisoned);
   }
   for (JsonId item = tree_[id].first_child; item != JsonId::None; item = tree_[item].next_sibling) {

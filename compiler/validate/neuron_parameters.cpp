@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "compiler/diagnostics/counted.h"
 #include "compiler/expression/random_stream.h"
 #include "compiler/validate/slot_use.h"
 
@@ -147,7 +148,7 @@ class ParameterEvaluator {
     std::vector<TypedExpression> typed;
     if (keyed.is_list && keyed.values.size() != population_.size) {
       v_.diagnostics().add(Code::WrongCount, keyed.span,
-                           {fmt::format("`{}`", keyed.key.text), fmt::format("{}", keyed.values.size()),
+                           {fmt::format("`{}`", keyed.key.text), counted(keyed.values.size(), "value"),
                             fmt::format("{}, one a neuron", population_.size)});
       return typed;
     }
@@ -344,7 +345,7 @@ std::optional<std::string> report_unknown_parameter(Validation& v, const KeyedVa
   }
   const std::optional<std::string> nearest = nearest_name(keyed.key.text, names);
   v.diagnostics()
-      .add(Code::UnknownParameter, keyed.key.span, {std::string(model.name), keyed.key.text})
+      .add(Code::UnknownParameter, keyed.key.span, {"model", std::string(model.name), keyed.key.text})
       .help_if(nearest, "did you mean `{}`?");
   return nearest;
 }

@@ -1,4 +1,5 @@
 #include "compiler/validate/resolve_neurons.h"
+#include "compiler/diagnostics/counted.h"
 
 #include <fmt/format.h>
 
@@ -278,10 +279,9 @@ std::vector<Receptor> resolve_receptors(Validation& v, const ResolvedNeuron& neu
   apply_shorthand(v, model, "tau_syn_ex", "ex", parameters, receptors);
   apply_shorthand(v, model, "tau_syn_in", "in", parameters, receptors);
   if (receptors.size() > model.max_receptors) {
-    v.diagnostics().add(
-        Code::WrongCount, neuron.name.span,
-        {fmt::format("neuron type `{}`", neuron.name.text), fmt::format("{} receptors as", receptors.size()),
-         fmt::format("at most {}", model.max_receptors)});
+    v.diagnostics().add(Code::WrongCount, neuron.name.span,
+                        {fmt::format("neuron type `{}`", neuron.name.text), counted(receptors.size(), "receptor"),
+                         fmt::format("at most {}", model.max_receptors)});
   }
   return receptors;
 }

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "compiler/diagnostics/counted.h"
 #include "compiler/validate/validation.h"
 
 namespace tectum {
@@ -84,10 +85,9 @@ class ModelValidator {
       text_.inputs.push_back({input.name.text, unit ? unit->dimension : kNumber});
     }
     if (text_.inputs.size() > kMaxReceptors) {
-      v_.diagnostics().add(
-          Code::WrongCount, decl_.name.span,
-          {fmt::format("model `{}`", decl_.name.text), fmt::format("{} inputs as", text_.inputs.size()),
-           fmt::format("at most {}", kMaxReceptors)});
+      v_.diagnostics().add(Code::WrongCount, decl_.name.span,
+                           {fmt::format("model `{}`", decl_.name.text), counted(text_.inputs.size(), "input"),
+                            fmt::format("at most {}", kMaxReceptors)});
       is_sound = false;
     }
     return is_sound;

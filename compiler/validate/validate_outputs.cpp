@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "compiler/diagnostics/counted.h"
 #include "compiler/validate/validation.h"
 
 namespace tectum {
@@ -120,7 +121,7 @@ void validate_output(Validation& v, const OutputDecl& decl, Output& output) {
   if (!decl.rate_difference.empty()) {
     if (decl.rate_difference.size() != 2) {
       v.diagnostics().add(Code::WrongCount, decl.rate_difference.front().span,
-                          {"`rate_difference`", fmt::format("{}", decl.rate_difference.size()), "2"});
+                          {"`rate_difference`", counted(decl.rate_difference.size(), "value"), "2"});
     }
     const auto value = decl.gain ? gain(v, *decl.gain, kind, kind_span) : std::nullopt;
     for (std::size_t i = 0; i < decl.rate_difference.size(); ++i) {

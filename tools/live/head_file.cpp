@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "compiler/diagnostics/counted.h"
 #include "compiler/diagnostics/render.h"
 #include "compiler/expression/expression.h"
 #include "compiler/parse/object_reader.h"
@@ -165,7 +166,7 @@ void HeadReader::read_bend(ObjectReader& in, ServoJoint& joint) {
   const std::vector<ValueDecl> bend = in.values("bend", 0);
   if (bend.size() > joint.bend_deg.size()) {
     diagnostics().add(Code::WrongCount, tree_[id].span,
-                      {"`bend`", fmt::format("{}", bend.size()), fmt::format("at most {}", joint.bend_deg.size())});
+                      {"`bend`", counted(bend.size(), "value"), fmt::format("at most {}", joint.bend_deg.size())});
     return;
   }
   for (std::size_t k = 0; k < bend.size(); ++k) {

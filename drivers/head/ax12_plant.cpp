@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/head/philox.h"
+#include "drivers/head/random_streams.h"
 
 namespace tectum {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "drivers/head/philox.h"
+#include "drivers/head/random_streams.h"
 
 namespace tectum::head {
 

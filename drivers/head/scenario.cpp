@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "drivers/head/philox.h"
+#include "drivers/head/random_streams.h"
 
 namespace tectum {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "runtime/engine/group_parameters.h"
-#include "runtime/engine/philox.h"
+#include "runtime/image/philox.h"
 
 namespace tectum {
 

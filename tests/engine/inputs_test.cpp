@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "runtime/engine/philox.h"
+#include "runtime/image/philox.h"
 #include "tests/support/test_network.h"
 
 namespace tectum::test {

@@ -85,6 +85,7 @@ class Evaluations:
     def __init__(self, tectum, circuit, protocols, log, threads=0):
         self.tectum, self.circuit, self.protocols, self.log, self.threads = tectum, circuit, protocols, log, threads
         self.run_now = self.from_log = 0
+        self.circuit_bytes = circuit.read_bytes()
         self.digests = {protocol.name: self.digest(protocol) for protocol in protocols}
         self.known = self.read_log()
 
@@ -144,6 +145,8 @@ class Evaluations:
             log.write(line.encode())
 
     def run(self, protocol, point):
+        if self.circuit.read_bytes() != self.circuit_bytes:
+            raise UsageError(f"{self.circuit} was changed while it was being fitted: give the same command again")
         arguments = ["eval", self.circuit, "--protocol", protocol.path, "--format", "json"]
         arguments += ["--threads", self.threads] if self.threads else []
         for name, value in point.items():

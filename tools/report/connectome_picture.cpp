@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -105,6 +106,9 @@ class PanelPicture {
       std::replace(label.begin(), label.end(), '_', ' ');
       draw_box(joint.box, 13, "f-bg s-fg", "", label, "", joint.joint);
     }
+    if (has_set_off_) {
+      shine_through();
+    }
   }
 
  private:
@@ -177,33 +181,57 @@ class PanelPicture {
     return panel_.bands.empty() ? 0 : 2 * panel_.bands[0].box.x + panel_.bands[0].box.width;
   }
 
-  void draw_link(const Link& link) {
-    const std::string ink = !link.ink.empty() ? link.ink : link.is_inhibitory ? kInhibitoryInk : kExcitatoryInk;
-    const double opacity = !link.ink.empty() ? 1 : has_set_off_ ? 0.22 : 0.6;
-    const double out = link.from.edge == Edge::Bottom ? 1 : -1;
-    const double in = link.to.edge == Edge::Top ? -1 : 1;  // the way away from the target
-    const bool is_loop = link.from.edge == Edge::Outer;
-    // The unit vector from the target's edge outwards.
-    const double away_x = !is_loop ? 0 : link.to.x < width_of_panel() / 2 ? -1 : 1;
-    const double away_y = is_loop ? 0 : in;
+  /// The unit vector from the target's edge outwards.
+  [[nodiscard]] std::array<double, 2> away_from_target(const Link& link) const {
+    if (link.from.edge == Edge::Outer) {
+      return {link.to.x < width_of_panel() / 2 ? -1.0 : 1.0, 0};
+    }
+    return {0, link.to.edge == Edge::Top ? -1.0 : 1.0};
+  }
+
+  void draw_curve(const Link& link) {
+    const auto [away_x, away_y] = away_from_target(link);
     std::string curve;
-    if (is_loop) {
+    if (link.from.edge == Edge::Outer) {
       curve = fmt::format("M{} {}C{} {} {} {} {} {}", coordinate(link.from.x), coordinate(link.from.y - 3),
                           coordinate(link.from.x + away_x * 26), coordinate(link.from.y - 14),
                           coordinate(link.to.x + away_x * 26), coordinate(link.to.y + 3),
                           coordinate(link.to.x + away_x * kTipPx), coordinate(link.to.y));
     } else {
+      const double out = link.from.edge == Edge::Bottom ? 1 : -1;
       const double dy = std::abs(link.to.y - link.from.y);
       const double dx = std::abs(link.to.x - link.from.x);
       const double bend = dy < 1 ? 14 + 0.07 * dx : std::max(20.0, std::min(0.5 * dy, 90.0));
       curve = fmt::format("M{} {}C{} {} {} {} {} {}", coordinate(link.from.x), coordinate(link.from.y),
                           coordinate(link.from.x), coordinate(link.from.y + out * bend), coordinate(link.to.x),
-                          coordinate(link.to.y + in * (bend + kTipPx)), coordinate(link.to.x),
-                          coordinate(link.to.y + in * kTipPx));
+                          coordinate(link.to.y + away_y * (bend + kTipPx)), coordinate(link.to.x),
+                          coordinate(link.to.y + away_y * kTipPx));
     }
-    body_.raw(fmt::format("<g opacity=\"{}\"><title>{}</title>", coordinate(opacity), xml_escape(link.note)));
-    body_.path(curve, "ln s-" + ink,
+    body_.path(curve, "ln s-" + ink_of(link),
                fmt::format("stroke-width=\"{}\"", coordinate(link.ink.empty() ? link.width_px : link.width_px + 1.6)));
+  }
+
+  static std::string ink_of(const Link& link) {
+    return !link.ink.empty() ? link.ink : link.is_inhibitory ? kInhibitoryInk : kExcitatoryInk;
+  }
+
+  /// What is set off can be followed also where it passes behind a box.
+  void shine_through() {
+    body_.raw("<g opacity=\"0.3\" pointer-events=\"none\">");
+    for (const Link& link : links_) {
+      if (!link.ink.empty()) {
+        draw_curve(link);
+      }
+    }
+    body_.raw("</g>");
+  }
+
+  void draw_link(const Link& link) {
+    const std::string ink = ink_of(link);
+    const double opacity = !link.ink.empty() ? 1 : has_set_off_ ? 0.22 : 0.6;
+    const auto [away_x, away_y] = away_from_target(link);
+    body_.raw(fmt::format("<g opacity=\"{}\"><title>{}</title>", coordinate(opacity), xml_escape(link.note)));
+    draw_curve(link);
     if (link.is_inhibitory) {
       body_.circle(link.to.x + 3 * away_x, link.to.y + 3 * away_y, 3, "f-" + ink);
     } else {

@@ -62,7 +62,7 @@ ClinicTrial imagined(const ClinicPlan& plan, double tau_s, double (*pan_deg)(dou
         trial.command[eye].tilt_deg.push_back(0);
       }
     }
-    for (double at_s = 0; at_s < 2.5; at_s += 0.002) {
+    for (double at_s = 0; at_s < plan.near_s; at_s += 0.002) {
       trial.near[eye].time_s.push_back(at_s);
       trial.near[eye].pan_deg.push_back(eye == 0 ? 4 : -4);
       trial.near[eye].tilt_deg.push_back(0);

@@ -62,8 +62,8 @@ struct ClinicLesion {
 struct ClinicPlan {
   double jump_deg = 10, vertical_jump_deg = 8;
   double dwell_s = 1.2, dark_s = 2;
-  double near_wall_m = 0.3;
-  std::vector<std::string> restrain;  // silenced in every run, whole or lesioned: the neck
+  double near_wall_m = 0.3, near_s = 8;  // the last second of which is measured
+  std::vector<std::string> restrain;     // silenced in every run, whole or lesioned: the neck
   std::vector<ClinicLesion> lesions;
 };
 

@@ -46,6 +46,7 @@ class ClinicReader {
     plan_.dwell_s = number(in, "dwell", kTime, 1e-3, plan_.dwell_s);
     plan_.dark_s = number(in, "dark", kTime, 1e-3, plan_.dark_s);
     plan_.near_wall_m = number(in, "near_wall", kLength, 1, plan_.near_wall_m);
+    plan_.near_s = number(in, "near", kTime, 1e-3, plan_.near_s);
     plan_.restrain = texts(in.names("restrain"));
     for (const JsonId each : members(in.child("lesions"))) {
       read_lesion(each);

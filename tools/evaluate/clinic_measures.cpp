@@ -16,8 +16,7 @@ namespace tectum {
 namespace {
 
 constexpr double kSampleS = 0.002;
-constexpr double kFarAwayM = 1e4;  // a dot that no camera sees
-constexpr double kNearS = 2.5;
+constexpr double kFarAwayM = 1e4;     // a dot that no camera sees
 constexpr double kUsualWallM = 0.55;  // that the head's dot is meant for
 constexpr std::array<const char*, kEyeCount> kEyeNames = {"left_eye", "right_eye"};
 constexpr std::array<const char*, 4> kDirectionNames = {"left", "right", "up", "down"};
@@ -216,7 +215,9 @@ ClinicTrial clinic_trial(const SpikeImage& image, const Protocol& protocol, cons
     options.keeps_spikes = true;
     RunObserver observer;
     if (progress) {
-      observer.progress = [&](double done) { progress((run_s + done * duration_s) / (steps.back().end_s + kNearS)); };
+      observer.progress = [&](double done) {
+        progress((run_s + done * duration_s) / (steps.back().end_s + plan.near_s));
+      };
     }
     const Recording recording = run_simulated_head(image, options, observer);
     run_s += duration_s;
@@ -233,7 +234,7 @@ ClinicTrial clinic_trial(const SpikeImage& image, const Protocol& protocol, cons
   }
   ClinicTrial trial;
   trial.command = run(protocol.wall_distance_m, steps.back().end_s, path);
-  trial.near = run(plan.near_wall_m, kNearS, {{0, {0, 0}}});
+  trial.near = run(plan.near_wall_m, plan.near_s, {{0, {0, 0}}});
   for (std::size_t eye = 0; eye < kEyeCount; ++eye) {
     std::vector<double> ahead;
     for (std::size_t k = 1; k < steps.size(); ++k) {
@@ -271,7 +272,8 @@ Measures clinic_measures(const ClinicTrial& trial, const ClinicTrial& whole, con
     found[name + ".ripple"] = middle_of(ripple);
     measure_holding(name, trace, saccades, found);
     const GazeDirection inward{false, eye == 0 ? 1.0 : -1.0};
-    found[name + ".convergence"] = Course(trial.near[eye], inward, trial.ahead_deg[eye]).mean(kNearS - 1, kNearS);
+    found[name + ".convergence"] =
+        Course(trial.near[eye], inward, trial.ahead_deg[eye]).mean(plan.near_s - 1, plan.near_s);
   }
   return found;
 }

@@ -80,6 +80,27 @@ TEST_CASE("the neck stays out of a small gaze shift and joins a large one") {
   CHECK(value(measured, 1, "neck") > 5);
 }
 
+TEST_CASE("a dot that reaches beyond the fovea is looked at with microsaccades, and one inside it without") {
+  Protocol protocol = short_protocol("fixation");
+  protocol.duration_s = 20;
+  protocol.movement.radii_m = {0.006, 0.015};
+  const MeasuredProtocol measured = measure(protocol);
+  CHECK(value(measured, 0, "by velocity") == 0);
+  CHECK(value(measured, 1, "by velocity") > 0.3);
+  CHECK(value(measured, 1, "by velocity") < 3);
+  CHECK(value(measured, 1, "amplitude") < 1);
+  REQUIRE(measured.tables.size() == 2);
+  CHECK(measured.tables[1].rows.size() == 5);
+}
+
+TEST_CASE("a protocol that names no fovea gives no verdict on fixation") {
+  Protocol protocol = short_protocol("fixation");
+  protocol.duration_s = 4;
+  protocol.movement.radii_m = {0.0022};
+  protocol.movement.fovea_deg = 0;
+  CHECK(measure(protocol).tables.size() == 1);
+}
+
 TEST_CASE("movements are the same for any number of threads") {
   Protocol protocol = short_protocol("fixation");
   protocol.trials = 2;

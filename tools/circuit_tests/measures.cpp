@@ -6,6 +6,7 @@
 #include "tools/analysis/gaze_traces.h"
 #include "tools/analysis/spike_times.h"
 #include "tools/analysis/statistics.h"
+#include "tools/evaluate/eye_plant.h"
 #include "tools/evaluate/tracking_evaluation.h"
 
 namespace tectum {
@@ -177,7 +178,7 @@ std::optional<double> RunFacts::saccades_per_jump() {
 namespace {
 
 /// The times [begin, end) that the rate is taken over.
-std::vector<TimeRange> times_of(RateTime time, RunFacts& facts, double window_s) {
+std::vector<TimeRange> times_of(RateTime time, RunFacts& facts) {
   const double end_s = facts.recording().duration_s;
   if (time == RateTime::WholeRun) {
     return {{facts.settle_s(), end_s}};
@@ -186,8 +187,8 @@ std::vector<TimeRange> times_of(RateTime time, RunFacts& facts, double window_s)
   double rest_from_s = facts.settle_s();
   for (const Saccade& saccade : facts.columns().saccades) {
     if (time == RateTime::Saccades) {
-      // The decoder counts spikes over a window, so that the command goes on for as long after the burst.
-      times.push_back({saccade.onset_s, saccade.offset_s - window_s});
+      // The eye goes on after the burst for as long as its plant lags.
+      times.push_back({saccade.onset_s, saccade.offset_s - kEyePlantLagS});
     } else {
       times.push_back({rest_from_s, saccade.onset_s - kRestAroundSaccadeS});
     }
@@ -203,13 +204,9 @@ std::vector<TimeRange> times_of(RateTime time, RunFacts& facts, double window_s)
 }  // namespace
 
 std::optional<double> RunFacts::rate_hz(const std::vector<std::size_t>& populations, RateTime time) {
-  double window_s = 0;
-  for (const OutputRecord& output : image_.outputs) {
-    window_s = std::max(window_s, output.window_ticks * static_cast<double>(recording_.tick_ns) * 1e-9);
-  }
   const std::vector<std::uint32_t> population_of = population_of_neurons(recording_);
   double spikes = 0, time_s = 0;
-  for (const TimeRange& range : times_of(time, *this, window_s)) {
+  for (const TimeRange& range : times_of(time, *this)) {
     for (const RecordedSpike& spike : spikes_between(recording_, range.begin_s, range.end_s)) {
       spikes += std::count(populations.begin(), populations.end(), population_of[spike.neuron]) > 0 ? 1 : 0;
     }

@@ -15,9 +15,11 @@ namespace tectum {
 namespace {
 
 constexpr double kSettledS = 3;  // after which the eyes have found the dot
-constexpr double kDriftWindowS = 1;
-constexpr double kDriftMeanS = 0.2;  // averaged at either end of a drift window
-constexpr double kLargestDeg = 3;    // beyond is no microsaccade
+constexpr double kDriftWindowS = 0.5;
+constexpr double kDriftStrideS = 0.25;
+constexpr double kDriftAfterPauseS = 0.05;  // the plant and the slide are done
+constexpr double kDriftMeanS = 0.2;         // averaged at either end of a drift window
+constexpr double kLargestDeg = 3;           // beyond is no microsaccade
 
 struct Fixation {
   double minutes = 0;
@@ -27,11 +29,11 @@ struct Fixation {
   double scatter_deg = 0;
 };
 
-/// How far the command of an eye is carried across each pause. The means reach below the spiking noise, which hides
+/// How far an eye is carried across each pause. The means reach below the spiking noise, which hides
 /// movements of less than a degree from a threshold on velocity.
 std::vector<double> pause_amplitudes_deg(const MovementTrial& trial) {
   constexpr double kMeanS = 0.08, kSettleS = 0.03;
-  const AngleTrace& eye = trial.command[0];
+  const AngleTrace& eye = trial.eye[0];
   std::vector<double> amplitudes_deg;
   for (const Pause& pause : trial.opn_pauses) {
     if (pause.begin_s > kSettledS) {
@@ -59,39 +61,56 @@ std::vector<Saccade> binocular(const std::vector<Saccade>& left, const std::vect
   return both;
 }
 
-Fixation fixation_of(const MovementTrial& trial) {
-  Fixation found;
-  found.minutes = (trial.recording.duration_s - kSettledS) / 60;
-  found.microsaccades = binocular(detect_saccades(trial.command[0]), detect_saccades(trial.command[1]));
-  found.pause_amplitude_deg = pause_amplitudes_deg(trial);
-  const AngleTrace gaze = gaze_trace(trial.recording, Eye::Left);
-  const AngleTrace error = error_trace(trial.recording, Eye::Left);
-  double sum = 0;
-  std::size_t count = 0;
+/// Root mean square distance from the mean direction.
+double scatter_deg(const AngleTrace& gaze) {
   const double middle_pan_deg = mean_between(gaze, gaze.pan_deg, kSettledS, 1e9);
   const double middle_tilt_deg = mean_between(gaze, gaze.tilt_deg, kSettledS, 1e9);
+  double sum = 0;
+  std::size_t count = 0;
   for (std::size_t k = 0; k < gaze.time_s.size(); ++k) {
     if (gaze.time_s[k] >= kSettledS) {
       sum += std::pow(gaze.pan_deg[k] - middle_pan_deg, 2) + std::pow(gaze.tilt_deg[k] - middle_tilt_deg, 2);
       ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+}
+
+/// The way of the eye in each half second without a pause, over that time. The servos' steps of 0.29 deg would hide it.
+std::vector<double> drifts_deg_s(const MovementTrial& trial) {
+  const AngleTrace& eye = trial.eye[0];
+  std::vector<double> found;
+  for (double from_s = kSettledS; from_s + kDriftWindowS + kDriftMeanS < trial.recording.duration_s;
+       from_s += kDriftStrideS) {
+    const double to_s = from_s + kDriftWindowS;
+    const bool is_interrupted = std::any_of(trial.opn_pauses.begin(), trial.opn_pauses.end(), [&](const Pause& p) {
+      return p.end_s + kDriftAfterPauseS >= from_s && p.begin_s < to_s + kDriftMeanS;
+    });
+    if (!is_interrupted) {
+      found.push_back(std::hypot(mean_between(eye, eye.pan_deg, to_s, to_s + kDriftMeanS) -
+                                     mean_between(eye, eye.pan_deg, from_s, from_s + kDriftMeanS),
+                                 mean_between(eye, eye.tilt_deg, to_s, to_s + kDriftMeanS) -
+                                     mean_between(eye, eye.tilt_deg, from_s, from_s + kDriftMeanS)) /
+                      kDriftWindowS);
+    }
+  }
+  return found;
+}
+
+Fixation fixation_of(const MovementTrial& trial) {
+  Fixation found;
+  found.minutes = (trial.recording.duration_s - kSettledS) / 60;
+  found.microsaccades = binocular(detect_saccades(trial.eye[0]), detect_saccades(trial.eye[1]));
+  found.pause_amplitude_deg = pause_amplitudes_deg(trial);
+  const AngleTrace error = error_trace(trial.recording, Eye::Left);
+  for (std::size_t k = 0; k < error.time_s.size(); ++k) {
+    if (error.time_s[k] >= kSettledS) {
       found.error_deg.push_back(std::hypot(error.pan_deg[k], error.tilt_deg[k]));
     }
   }
-  found.scatter_deg = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
-  for (double from_s = kSettledS; from_s + kDriftWindowS + kDriftMeanS < trial.recording.duration_s;
-       from_s += kDriftWindowS) {
-    const double to_s = from_s + kDriftWindowS;
-    const bool is_interrupted = std::any_of(trial.opn_pauses.begin(), trial.opn_pauses.end(), [&](const Pause& p) {
-      return p.end_s >= from_s - kDriftMeanS && p.begin_s < to_s + kDriftMeanS;
-    });
-    if (!is_interrupted) {
-      found.drift_deg_s.push_back(std::hypot(mean_between(gaze, gaze.pan_deg, to_s, to_s + kDriftMeanS) -
-                                                 mean_between(gaze, gaze.pan_deg, from_s, from_s + kDriftMeanS),
-                                             mean_between(gaze, gaze.tilt_deg, to_s, to_s + kDriftMeanS) -
-                                                 mean_between(gaze, gaze.tilt_deg, from_s, from_s + kDriftMeanS)) /
-                                  kDriftWindowS);
-    }
-  }
+  const AngleTrace gaze = gaze_trace(trial.recording, Eye::Left);
+  found.scatter_deg = scatter_deg(gaze);
+  found.drift_deg_s = drifts_deg_s(trial);
   return found;
 }
 
@@ -116,17 +135,49 @@ Pooled pool(const std::vector<Fixation>& trials) {
   return all;
 }
 
+double radius_deg(double radius_m, double distance_m) { return std::atan(radius_m / distance_m) * 57.29577951; }
+
+std::optional<double> middle(const std::vector<double>& values) {
+  return values.empty() ? std::nullopt : std::optional<double>(median(values));
+}
+
 MeasureRow row_of(double radius_m, double distance_m, const Pooled& all) {
-  const auto middle = [](const std::vector<double>& values) {
-    return values.empty() ? std::nullopt : std::optional<double>(median(values));
-  };
-  const double radius_deg = std::atan(radius_m / distance_m) * 57.29577951;
-  return {fmt::format("dot of {:.2f} deg radius", radius_deg),
+  return {fmt::format("dot of {:.2f} deg radius", radius_deg(radius_m, distance_m)),
           {static_cast<double>(all.pause_deg.size()) / (60 * all.minutes), middle(all.pause_deg),
            static_cast<double>(all.amplitude_deg.size()) / (60 * all.minutes), middle(all.amplitude_deg),
            middle(all.peak_deg_s), middle(all.drift_deg_s),
            all.drift_deg_s.empty() ? std::nullopt : std::optional<double>(quantile(all.drift_deg_s, 0.9)),
            middle(all.scatter_deg), middle(all.error_deg)}};
+}
+
+/// Whether dots beyond the fovea make microsaccades and dots inside it none, as a row for each thing asked.
+MeasureTable verdict_of(double fovea_deg, const Pooled& larger, const Pooled& smaller) {
+  MeasureTable table;
+  table.title = fmt::format("asked of a fovea of {:g} deg radius", fovea_deg);
+  table.columns = {{"seen", "", 2}, {"at least", "", 2}, {"at most", "", 2}};
+  std::size_t shown = 0;
+  const auto ask = [&](const char* what, std::optional<double> seen, double low, double high) {
+    const bool passes = seen && *seen >= low && *seen <= high;
+    shown += passes ? 1U : 0U;
+    table.rows.push_back({fmt::format("{} {}", passes ? "shows " : "MISSES", what), {seen, low, high}});
+  };
+  const auto rate_hz = [](const Pooled& all) {
+    return all.minutes > 0 ? std::optional<double>(static_cast<double>(all.amplitude_deg.size()) / (60 * all.minutes))
+                           : std::nullopt;
+  };
+  std::vector<double> over_main_sequence, drift_deg_s = larger.drift_deg_s;
+  for (std::size_t k = 0; k < larger.amplitude_deg.size(); ++k) {
+    over_main_sequence.push_back(larger.peak_deg_s[k] / (700 * (1 - std::exp(-larger.amplitude_deg[k] / 7))));
+  }
+  drift_deg_s.insert(drift_deg_s.end(), smaller.drift_deg_s.begin(), smaller.drift_deg_s.end());
+  ask("larger dots: microsaccades a second", rate_hz(larger), 0.5, 3);
+  ask("larger dots: their amplitude (deg)", middle(larger.amplitude_deg), 0.1, 1);
+  ask("larger dots: peak velocity over the main sequence", middle(over_main_sequence), 0.5, 2);
+  ask("smaller dots: microsaccades a second", rate_hz(smaller), 0, 0.05);
+  ask("all dots: drift (deg/s)", middle(drift_deg_s), 0, 0.2);
+  table.notes = {
+      fmt::format("{} of {} shown; main sequence: 700 deg/s (1 - exp(-A / 7 deg))", shown, table.rows.size())};
+  return table;
 }
 
 Chart error_chart(const Recording& recording) {
@@ -166,7 +217,7 @@ MeasuredProtocol measure_fixation(const SpikeImage& image, const Protocol& proto
       options.head.scenario.kind = ScenarioKind::Path;
       // A place of its own in every trial, so that no result hangs on one pixel.
       const double turn = 2.39996323 * static_cast<double>(k % trials);
-      options.head.scenario.path = {{0, place_m(8 * std::cos(turn), 5 * std::sin(turn), protocol.wall_distance_m), 0}};
+      options.head.scenario.path = {{0, place_m(3 * std::cos(turn), 2 * std::sin(turn), protocol.wall_distance_m), 0}};
       options.head.camera.dot_radius_m = radii_m[k / trials];
       const MovementTrial moved = run_movement(image, options, report);
       found[k / trials][k % trials] = fixation_of(moved);
@@ -188,11 +239,22 @@ MeasuredProtocol measure_fixation(const SpikeImage& image, const Protocol& proto
     measures.pictures.push_back({table.rows.back().what, "", charts[r]});
   }
   table.notes = {
-      "OPN pauses: the neural mark of a saccade, however small, and how far the command moves across it; by velocity: "
-      "microsaccades by Engbert & Kliegl (lambda 6, 6 ms, both eyes at once), which the spiking noise of the command "
-      "hides below about a degree; drift: way of the gaze in a second without a pause",
+      "OPN pauses: the neural mark of a saccade, however small, and how far the eye moves across it; by velocity: "
+      "microsaccades by Engbert & Kliegl (lambda 6, 6 ms, both eyes at once); both of what the motoneurons would do to "
+      "a "
+      "human eye, whose spiking noise hides what is smaller than about 0.3 deg",
+      "drift: way of that eye in half a second without a pause; scatter and error: of the servos",
       "people: 1 to 2 a second, 0.2 to 0.6 deg; the 2020 head made them when its fovea was smaller than the dot"};
   measures.tables = {table};
+  if (protocol.movement.fovea_deg > 0) {
+    std::vector<Fixation> larger, smaller;
+    for (std::size_t r = 0; r < radii_m.size(); ++r) {
+      const bool is_larger = radius_deg(radii_m[r], protocol.wall_distance_m) > protocol.movement.fovea_deg;
+      std::vector<Fixation>& side = is_larger ? larger : smaller;
+      side.insert(side.end(), found[r].begin(), found[r].end());
+    }
+    measures.tables.push_back(verdict_of(protocol.movement.fovea_deg, pool(larger), pool(smaller)));
+  }
   return measures;
 }
 

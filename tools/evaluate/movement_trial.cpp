@@ -75,6 +75,7 @@ MovementTrial run_movement(const SpikeImage& image, const SimulatedRunOptions& o
   MovementTrial trial;
   trial.recording = run_simulated_head(image, fine, observer);
   trial.command = command_of(image, trial.recording);
+  trial.eye = eye_movements(image, trial.recording);
   trial.opn_pauses = opn_pauses(trial.recording);
   for (const RecordedPositions& sample : trial.recording.positions) {
     for (std::size_t eye = 0; eye < kEyeCount; ++eye) {

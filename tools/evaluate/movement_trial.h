@@ -1,7 +1,8 @@
 // One run of a circuit on a path of the dot, as traces fine enough for saccades.
 //
-// The neural command (what the motoneurons' decoder asks of each eye) and the plant (where the servos' shafts are) are
-// kept apart: an AX-12A turns at 354 deg/s at most, so that only the command can follow the main sequence.
+// Kept apart are what the motoneurons' decoder asks of each eye over its window (`command`), what the same spikes would
+// do to a human eye (`eye`, tools/evaluate/eye_plant.h) and where the servos' shafts are (`plant`): an AX-12A turns at
+// 354 deg/s at most, so that only the first two can follow the main sequence.
 #pragma once
 
 #include <array>
@@ -11,11 +12,12 @@
 #include "tools/analysis/gaze_traces.h"
 #include "tools/analysis/saccades.h"
 #include "tools/analysis/simulated_run.h"
+#include "tools/evaluate/eye_plant.h"
 #include "tools/evaluate/protocol.h"
 
 namespace tectum {
 
-inline constexpr double kMovementSampleS = 0.002;
+inline constexpr double kMovementSampleS = kEyeSampleS;
 
 struct Pause {
   double begin_s = 0, end_s = 0;
@@ -23,6 +25,7 @@ struct Pause {
 
 struct MovementTrial {
   std::array<AngleTrace, kEyeCount> command;  // eye in head, every kMovementSampleS
+  std::array<AngleTrace, kEyeCount> eye;      // the human eye in its head, every kMovementSampleS
   std::array<AngleTrace, kEyeCount> plant;    // the eyes' shafts, eye in head, every kMovementSampleS
   std::vector<Pause> opn_pauses;              // of the omnipause neurons: the neural mark of every saccade
   Recording recording;                        // frames with truth; no spikes
@@ -39,7 +42,7 @@ struct MovementTrial {
 [[nodiscard]] double mean_between(const AngleTrace& trace, const std::vector<double>& values, double from_s,
                                   double to_s);
 
-/// The saccades of a command whose spiking noise stays below `threshold_deg_s`.
+/// The saccades of a trace whose noise stays below `threshold_deg_s`.
 [[nodiscard]] std::vector<Saccade> saccades_of(const AngleTrace& trace, double threshold_deg_s);
 
 }  // namespace tectum

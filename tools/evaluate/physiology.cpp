@@ -8,6 +8,7 @@
 
 #include "tools/analysis/saccades.h"
 #include "tools/analysis/statistics.h"
+#include "tools/evaluate/eye_plant.h"
 #include "tools/evaluate/parallel_jobs.h"
 #include "tools/evaluate/tracking_evaluation.h"
 #include "tools/evaluate/trial_columns.h"
@@ -131,7 +132,7 @@ class Measures {
         return;
       }
       tonic_hz.push_back(before_hz);
-      silent_share.push_back(trial.rate(*opn, s.onset_s, s.offset_s - 0.022) / before_hz);
+      silent_share.push_back(trial.rate(*opn, s.onset_s, s.offset_s - kEyePlantLagS) / before_hz);
       double last_s = s.onset_s + 0.02;  // the last sample with an OPN spike before the pause
       while (last_s > s.onset_s - 0.08 && trial.rate(*opn, last_s, last_s + 1.5 * kSampleS) <= 0.2 * before_hz) {
         last_s -= kSampleS;
@@ -242,8 +243,8 @@ std::vector<Yardstick> physiology(const SpikeImage& image, const Protocol& proto
 
 std::string physiology_text(const Protocol& protocol, const std::vector<Yardstick>& yardsticks) {
   std::string text = fmt::format(
-      "protocol {}: {} trial{} of {:g} s, seeds from {}; movements of the motoneurons' command\n\n", protocol.name,
-      protocol.trials, protocol.trials == 1 ? "" : "s", protocol.duration_s, protocol.first_seed);
+      "protocol {}: {} trial{} of {:g} s, seeds from {}; movements that the motoneurons would give a human eye\n\n",
+      protocol.name, protocol.trials, protocol.trials == 1 ? "" : "s", protocol.duration_s, protocol.first_seed);
   std::size_t passed = 0;
   for (const Yardstick& y : yardsticks) {
     const std::string value = y.value ? fmt::format("{:.4g}", *y.value) : std::string("-");

@@ -1,11 +1,10 @@
 // Yardsticks of eyes and of the neurons that move them, measured in a circuit's own spikes.
 //
-// Movements are those of the command that the motoneurons give, decoded at 500 Hz, not of the servos: an AX-12A turns
-// at 354 deg/s at most and cannot follow the main sequence above 5 to 15 deg. The command passes the outputs' own
-// window (22 ms in the shipped circuit), which lengthens saccades by up to that and lowers their peak. Its noise sets
-// the velocity from which a saccade counts (Engbert & Kliegl's 6 standard deviations), so that durations are cut short
-// and corrections of a degree or two can be missed. A pool's rate is the mean of all its neurons, recruited or not,
-// whereas the published slopes are those of single recruited ones.
+// Movements are those that the motoneurons' spikes would give a human eye (tools/evaluate/eye_plant.h), at 500 Hz, not
+// those of the servos: an AX-12A turns at 354 deg/s at most and cannot follow the main sequence above 5 to 15 deg. A
+// saccade counts from 40 deg/s, or six standard deviations of the spiking noise (Engbert & Kliegl), so that corrections
+// of a degree can be missed. A pool's rate is the mean of all its neurons, recruited or not, whereas the published
+// slopes are those of single recruited ones.
 #pragma once
 
 #include <functional>

@@ -255,6 +255,9 @@ void ProtocolReader::read_movement(ObjectReader& in) {
       }
     }
   }
+  if (protocol_.kind == ProtocolKind::Fixation) {
+    protocol_.movement.fovea_deg = number(in, "fovea", kAngle, {0.05, 45}, 0);
+  }
 }
 
 Protocol ProtocolReader::read() {

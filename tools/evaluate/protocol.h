@@ -61,6 +61,7 @@ struct MovementSizes {
   std::vector<double> periods_s;     // pursuit: sinusoids
   std::vector<double> distances_m;   // vergence: of the screen that the dot jumps to from the wall
   std::vector<double> radii_m;       // fixation: of the dot
+  double fovea_deg = 0;              // fixation: its radius, that dots are larger or smaller than; 0: not said
 };
 
 struct Protocol {

@@ -76,7 +76,7 @@ std::vector<Answer> answers_of(const MovementTrial& trial, const Plan& plan) {
   SaccadeOptions options;  // six standard deviations of the noise of 200 motoneurons' spikes, and at least this
   options.min_threshold_deg_s = 40;
   options.min_amplitude_deg = 0.5;
-  const std::vector<Saccade> commanded = detect_saccades(trial.command[0], options);
+  const std::vector<Saccade> commanded = detect_saccades(trial.eye[0], options);
   const std::vector<Saccade> moved = saccades_of(trial.plant[0], kPlantNoiseDegS);
   const AngleTrace target = target_trace(trial.recording, Eye::Left);
   const AngleTrace error = error_trace(trial.recording, Eye::Left);
@@ -176,25 +176,28 @@ void add_band(Chart& chart, const char* name, const Low& low, const High& high) 
 
 std::vector<MeasurePicture> pictures_of(const std::vector<Answer>& all) {
   Chart peak;
-  peak.description = "peak velocity over amplitude of every first saccade, of the command and of the servos";
+  peak.description =
+      "peak velocity over amplitude of every first saccade, of a human eye under the motoneurons and of the servos";
   peak.x = {.label = "amplitude (deg)", .min = 0.0, .max = {}};
   peak.y = {.label = "peak velocity (deg/s)", .min = 0.0, .max = {}};
   add_band(
       peak, "human, 700 (1 - exp(-A/7)) ± 20 %", [](double a) { return 0.8 * 700 * (1 - std::exp(-a / 7)); },
       [](double a) { return 1.2 * 700 * (1 - std::exp(-a / 7)); });
-  peak.series.push_back(points("command", "left", all, &Answer::command_deg, &Answer::command_peak_deg_s));
+  peak.series.push_back(points("human eye", "left", all, &Answer::command_deg, &Answer::command_peak_deg_s));
   peak.series.push_back(points("servos", "right", all, &Answer::plant_deg, &Answer::plant_peak_deg_s));
   Chart duration;
-  duration.description = "duration over amplitude of every first saccade, of the command and of the servos";
+  duration.description =
+      "duration over amplitude of every first saccade, of a human eye under the motoneurons and of the servos";
   duration.x = peak.x;
   duration.y = {.label = "duration (ms)", .min = 0.0, .max = {}};
   add_band(
       duration, "human, 2.2 A + 21 to 2.7 A + 37 ms", [](double a) { return 2.2 * a + 21; },
       [](double a) { return 2.7 * a + 37; });
-  duration.series.push_back(points("command", "left", all, &Answer::command_deg, &Answer::command_ms));
+  duration.series.push_back(points("human eye", "left", all, &Answer::command_deg, &Answer::command_ms));
   duration.series.push_back(points("servos", "right", all, &Answer::plant_deg, &Answer::plant_ms));
   return {{"Main sequence",
-           "The first saccade after each jump: what the motoneurons command, and what the servos make of it. Dashed: "
+           "The first saccade after each jump: what the motoneurons would do to a human eye, and what the servos do. "
+           "Dashed: "
            "published range.",
            peak},
           {"Duration", "Dashed: two published fits.", duration}};
@@ -248,7 +251,9 @@ MeasuredProtocol measure_saccades(const SpikeImage& image, const Protocol& proto
       fmt::format("a step of more than {:.1f} deg along either axis leaves the square view of the eye and cannot be "
                   "answered",
                   image.retinas.empty() ? 0.0 : image.retinas.front().field_of_view_deg / 2),
-      "latency, gain, direction, peak, lasts, peak at: of the command's first saccade within 600 ms; left over: error "
+      "latency, gain, direction, peak, lasts, peak at: of the first saccade within 600 ms that the motoneurons would "
+      "give a "
+      "human eye; servo: of the shafts; left over: error "
       "400 to 600 ms after the step"};
   return {{table}, pictures_of(all)};
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/act/decoder.h"
+#include "tools/evaluate/eye_plant.h"
 
 namespace tectum {
 namespace {
@@ -43,30 +43,18 @@ TrialColumns trial_columns(const SpikeImage& image, const Recording& recording) 
     population_of.resize(std::max<std::size_t>(population_of.size(), population.first_neuron + population.size), 0);
     std::fill_n(population_of.begin() + population.first_neuron, population.size, static_cast<std::uint32_t>(p));
   }
-  Decoder decoder(image);
-  std::vector<NeuronId> now;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < samples; ++k) {
-    for (std::uint64_t tick = k * ticks_each; tick < (k + 1) * ticks_each; ++tick) {
-      now.clear();
-      for (; next < recording.spikes.size() && recording.spikes[next].tick == tick; ++next) {
-        const std::uint32_t neuron = recording.spikes[next].neuron;
-        now.push_back(NeuronId{neuron});
-        const std::uint32_t p = population_of[neuron];
-        columns.rate_hz[p][k] += 1 / (TrialColumns::kSampleS * recording.populations[p].size);
-      }
-      decoder.tick(now);
+  for (const RecordedSpike& spike : recording.spikes) {
+    const std::uint64_t k = spike.tick / ticks_each;
+    if (k < samples) {
+      const std::uint32_t p = population_of[spike.neuron];
+      columns.rate_hz[p][k] += 1 / (TrialColumns::kSampleS * recording.populations[p].size);
     }
-    std::array<double, kJointCount> joint_deg{};
-    decoder.decode(joint_deg);
-    columns.command.time_s.push_back(static_cast<double>(k) * TrialColumns::kSampleS);
-    columns.command.pan_deg.push_back(joint_deg[static_cast<std::size_t>(Joint::LeftEyePan)]);
-    columns.command.tilt_deg.push_back(joint_deg[static_cast<std::size_t>(Joint::LeftEyeTilt)]);
   }
+  columns.eye = eye_movements(image, recording)[0];
   SaccadeOptions options;
   options.min_threshold_deg_s = 40;
   options.min_amplitude_deg = kSmallestSaccadeDeg;
-  columns.saccades = detect_saccades(columns.command, options);
+  columns.saccades = detect_saccades(columns.eye, options);
   std::erase_if(columns.saccades, [](const Saccade& s) { return s.onset_s < 1; });  // the head's start
   columns.jumps_s = target_jump_times_s(recording);
   return columns;

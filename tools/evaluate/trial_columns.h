@@ -1,4 +1,4 @@
-// A run as the motoneurons give it: their command and every population's rate, in even samples.
+// A run as the motoneurons give it: the eye that they would move and every population's rate, in even samples.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +18,11 @@ namespace tectum {
 struct TrialColumns {
   static constexpr double kSampleS = 0.002;
 
-  AngleTrace command;                        // left eye
+  AngleTrace eye;                            // the left one, as tools/evaluate/eye_plant.h moves it
   std::vector<std::vector<double>> rate_hz;  // one row a recorded population, mean of its neurons
   std::vector<std::string> names;
   std::vector<double> jumps_s;
-  std::vector<Saccade> saccades;  // of the command, from 1 s on and of 1 deg or more
+  std::vector<Saccade> saccades;  // of that eye, from 1 s on and of 1 deg or more
 
   [[nodiscard]] std::optional<std::size_t> population(std::string_view name) const;
   /// Mean over [from_s, to_s) of a population's rate.

@@ -90,7 +90,7 @@ TEST_CASE("a dot that reaches beyond the fovea is looked at with microsaccades, 
   CHECK(value(measured, 1, "by velocity") < 3);
   CHECK(value(measured, 1, "amplitude") < 1);
   REQUIRE(measured.tables.size() == 2);
-  CHECK(measured.tables[1].rows.size() == 5);
+  CHECK(measured.tables[1].rows.size() == 6);
 }
 
 TEST_CASE("a protocol that names no fovea gives no verdict on fixation") {

@@ -165,16 +165,16 @@ MeasureTable verdict_of(double fovea_deg, const Pooled& larger, const Pooled& sm
     return all.minutes > 0 ? std::optional<double>(static_cast<double>(all.amplitude_deg.size()) / (60 * all.minutes))
                            : std::nullopt;
   };
-  std::vector<double> over_main_sequence, drift_deg_s = larger.drift_deg_s;
+  std::vector<double> over_main_sequence;
   for (std::size_t k = 0; k < larger.amplitude_deg.size(); ++k) {
     over_main_sequence.push_back(larger.peak_deg_s[k] / (700 * (1 - std::exp(-larger.amplitude_deg[k] / 7))));
   }
-  drift_deg_s.insert(drift_deg_s.end(), smaller.drift_deg_s.begin(), smaller.drift_deg_s.end());
   ask("larger dots: microsaccades a second", rate_hz(larger), 0.5, 3);
   ask("larger dots: their amplitude (deg)", middle(larger.amplitude_deg), 0.1, 1);
   ask("larger dots: peak velocity over the main sequence", middle(over_main_sequence), 0.5, 2);
+  ask("larger dots: drift (deg/s)", middle(larger.drift_deg_s), 0, 0.2);
   ask("smaller dots: microsaccades a second", rate_hz(smaller), 0, 0.05);
-  ask("all dots: drift (deg/s)", middle(drift_deg_s), 0, 0.2);
+  ask("smaller dots: drift (deg/s)", middle(smaller.drift_deg_s), 0, 0.2);
   table.notes = {
       fmt::format("{} of {} shown; main sequence: 700 deg/s (1 - exp(-A / 7 deg))", shown, table.rows.size())};
   return table;

@@ -14,7 +14,8 @@ enum class Stream : std::uint32_t {
   RandomTarget = 2,
   SensorNoise = 3,
   NoiseTile = 4,
-  WallTexture = 5
+  WallTexture = 5,
+  DroppedFrames = 6
 };
 
 [[nodiscard]] inline PhiloxWords draw(std::uint64_t seed, Stream stream, std::uint64_t index,

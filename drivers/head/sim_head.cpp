@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "drivers/head/random_streams.h"
+
 namespace tectum {
 namespace {
 
@@ -48,6 +50,9 @@ struct SimHead::Impl {
         return CameraStatus::NoNewFrame;
       }
       last_ = newest;
+      if (world_.is_dropped(newest)) {
+        return CameraStatus::NoNewFrame;
+      }
       out = world_.exposures[static_cast<std::size_t>(newest) % kKept];
       return CameraStatus::NewFrame;
     }
@@ -66,6 +71,12 @@ struct SimHead::Impl {
     EyeCamera renderer_;
     std::int64_t last_ = -1;
   };
+
+  [[nodiscard]] bool is_dropped(std::int64_t frame) const {
+    const auto index = static_cast<std::uint64_t>(frame);
+    return params.dropped_share > 0 &&
+           head::unit_interval(head::draw(params.seed, head::Stream::DroppedFrames, index)[0]) < params.dropped_share;
+  }
 
   [[nodiscard]] JointAngles joints(TimeNs at_ns) const {
     JointAngles joint_deg{};

@@ -25,7 +25,8 @@ struct SimHeadParams {
   ScenarioParams scenario;
   TimeNs frame_period_ns = 22'222'222;  // 45 Hz, the published loop. Exposure k is taken at k * frame_period_ns
   std::uint32_t camera_latency_frames =
-      1;  // exposure k can be read from (k + latency) * frame_period_ns on; at most 15
+      1;                     // exposure k can be read from (k + latency) * frame_period_ns on; at most 15
+  double dropped_share = 0;  // of the frames, each at random: neither eye's can ever be read
   JointAngles start_deg{};
 };
 

@@ -158,3 +158,31 @@ TEST_CASE("time never runs backwards and the head starts where it is told") {
   head.sleep_until(100);
   CHECK(head.now_ns() == 500);
 }
+
+TEST_CASE("dropped frames are lost to both eyes, as often as is said and the same ones for the same seed") {
+  SimHeadParams params;
+  params.camera.width_px = params.camera.height_px = 32;
+  const auto seen = [&](double share, std::uint64_t seed) {
+    params.dropped_share = share;
+    params.seed = seed;
+    SimHead head(params);
+    std::vector<std::uint64_t> sequences;
+    for (TimeNs turn = 1; turn <= 1000; ++turn) {
+      head.sleep_until(turn * params.frame_period_ns);
+      HeadExposure left, right;
+      const CameraStatus status = head.take_exposure(Eye::Left, head.now_ns(), left);
+      CHECK(head.take_exposure(Eye::Right, head.now_ns(), right) == status);
+      if (status == CameraStatus::NewFrame) {
+        CHECK(left.sequence == static_cast<std::uint64_t>(turn - 1));  // never an older one in its place
+        sequences.push_back(left.sequence);
+      }
+    }
+    return sequences;
+  };
+  CHECK(seen(0, 1).size() == 1000);
+  const std::vector<std::uint64_t> some = seen(0.3, 1);
+  CHECK(some.size() > 650);  // 700 with a standard deviation of 14.5
+  CHECK(some.size() < 750);
+  CHECK(seen(0.3, 1) == some);
+  CHECK(seen(0.3, 2) != some);
+}

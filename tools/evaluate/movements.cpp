@@ -19,6 +19,7 @@ MeasuredProtocol measure_movements(const SpikeImage& image, const Protocol& prot
     case ProtocolKind::Physiology:
     case ProtocolKind::Learning:
     case ProtocolKind::Clinic:
+    case ProtocolKind::Robustness:
       break;
   }
   return {};

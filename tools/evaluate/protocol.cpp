@@ -271,9 +271,9 @@ Protocol ProtocolReader::read() {
   (void)whole(in, "tectum_protocol", {kProtocolVersion, kProtocolVersion}, kProtocolVersion);
   protocol_.name = in.text("name");
   protocol_.about = in.text("about");
-  protocol_.kind = static_cast<ProtocolKind>(
-      word(in, "kind",
-           {"tracking", "physiology", "learning", "saccades", "pursuit", "vergence", "gaze", "fixation", "clinic"}));
+  protocol_.kind = static_cast<ProtocolKind>(word(in, "kind",
+                                                  {"tracking", "physiology", "learning", "saccades", "pursuit",
+                                                   "vergence", "gaze", "fixation", "clinic", "robustness"}));
   read_trials(in);
   read_movement(in);
   using Read = void (ProtocolReader::*)(JsonId);
@@ -287,9 +287,16 @@ Protocol ProtocolReader::read() {
       (this->*read)(id);
     }
   }
-  (void)in.child("clinic");  // read by clinic_file.cpp
+  // Read by clinic_file.cpp and robustness_file.cpp.
+  for (const auto& [kind, key] :
+       {std::pair{ProtocolKind::Clinic, "clinic"}, std::pair{ProtocolKind::Robustness, "robustness"}}) {
+    if (in.child(key) == JsonId::None && protocol_.kind == kind) {
+      in.report_missing(key);
+    }
+  }
   // The movement protocols make their own targets out of their lists.
-  if (!in.has("target") && (protocol_.kind == ProtocolKind::Tracking || protocol_.kind == ProtocolKind::Physiology)) {
+  if (!in.has("target") && (protocol_.kind == ProtocolKind::Tracking || protocol_.kind == ProtocolKind::Physiology ||
+                            protocol_.kind == ProtocolKind::Robustness)) {
     in.report_missing("target");
   }
   in.finish();

@@ -52,7 +52,18 @@ struct LearningPlan {
   std::uint64_t first_seed = 2000;      // of the training
 };
 
-enum class ProtocolKind { Tracking, Physiology, Learning, Saccades, Pursuit, Vergence, Gaze, Fixation, Clinic };
+enum class ProtocolKind {
+  Tracking,
+  Physiology,
+  Learning,
+  Saccades,
+  Pursuit,
+  Vergence,
+  Gaze,
+  Fixation,
+  Clinic,
+  Robustness
+};
 
 /// What the dot does in the protocols that measure one kind of movement each (tools/evaluate/movements.h).
 struct MovementSizes {

@@ -5,6 +5,7 @@
 
 #include "runtime/act/servo_guard.h"
 #include "runtime/record/recording_file.h"
+#include "tools/evaluate/dot_finder.h"
 
 namespace tectum {
 namespace {
@@ -35,6 +36,12 @@ class PidLoop {
   bool has_last_ = false;
 };
 
+/// What an eye has of the dot: where it is off the axis, if it is seen at all.
+struct SeenDot {
+  Direction error;
+  bool is_seen = false;
+};
+
 class Reference {
  public:
   Reference(const SimHeadParams& params, const ReferenceController& controller)
@@ -45,8 +52,7 @@ class Reference {
   }
 
   void see(const std::array<HeadExposure, kEyeCount>& exposures, JointAngles& goal_deg) {
-    std::array<Direction, kEyeCount> error{};
-    std::array<bool, kEyeCount> is_in_view{};
+    std::array<SeenDot, kEyeCount> dots{};
     for (const Eye eye : {Eye::Left, Eye::Right}) {
       const HeadExposure& exposure = exposures[index_of(eye)];
       const auto& joints = kEyeJoints[index_of(eye)];
@@ -58,27 +64,25 @@ class Reference {
         goal_deg[index_of(joints[1])] = wanted.tilt_deg;
       }
       const EyePose pose = eye_pose(params_.geometry, exposure.joint_deg, eye);
-      error[index_of(eye)] =
+      const Direction error =
           error_in_eye(pose, {exposure.target_m[0], exposure.target_m[1], exposure.target_distance_m});
       const double half_view_deg = params_.camera.field_of_view_deg / 2;
-      is_in_view[index_of(eye)] = std::abs(error[index_of(eye)].pan_deg) < half_view_deg &&
-                                  std::abs(error[index_of(eye)].tilt_deg) < half_view_deg;
+      dots[index_of(eye)] = {error,
+                             std::abs(error.pan_deg) < half_view_deg && std::abs(error.tilt_deg) < half_view_deg};
     }
     if (controller_.kind == ReferenceKind::Pid) {
-      servo(error, is_in_view, goal_deg);
+      servo(dots, goal_deg);
     }
   }
 
- private:
   /// An eye that does not see the target goes by the error of the one that does; when neither does, both hold.
-  void servo(const std::array<Direction, kEyeCount>& error, const std::array<bool, kEyeCount>& is_in_view,
-             JointAngles& goal_deg) {
+  void servo(const std::array<SeenDot, kEyeCount>& dots, JointAngles& goal_deg) {
     const double dt_s = static_cast<double>(params_.frame_period_ns) * 1e-9;
     for (std::size_t e = 0; e < kEyeCount; ++e) {
-      const std::size_t from = is_in_view[e] ? e : 1 - e;
+      const SeenDot& dot = dots[dots[e].is_seen ? e : 1 - e];
       for (const auto& [joint, error_deg] :
-           {std::pair{kEyeJoints[e][0], error[from].pan_deg}, std::pair{kEyeJoints[e][1], error[from].tilt_deg}}) {
-        if (is_in_view[from]) {
+           {std::pair{kEyeJoints[e][0], dot.error.pan_deg}, std::pair{kEyeJoints[e][1], dot.error.tilt_deg}}) {
+        if (dot.is_seen) {
           goal_deg[index_of(joint)] = loops_[index_of(joint)].goal_deg(error_deg, dt_s);
         } else {
           loops_[index_of(joint)].lose_target();
@@ -87,10 +91,23 @@ class Reference {
     }
   }
 
+ private:
   const SimHeadParams& params_;
   ReferenceController controller_;
   std::vector<PidLoop> loops_;
 };
+
+std::array<SeenDot, kEyeCount> seen_dots(SimHead& head, const std::array<HeadExposure, kEyeCount>& exposures,
+                                         DotFinder& finder) {
+  std::array<SeenDot, kEyeCount> dots{};
+  for (const Eye eye : {Eye::Left, Eye::Right}) {
+    Frame frame;
+    head.draw(eye, exposures[index_of(eye)], frame);
+    const std::optional<Direction> found = finder.find(frame);
+    dots[index_of(eye)] = {found.value_or(Direction{}), found.has_value()};
+  }
+  return dots;
+}
 
 RecordedFrame frame_at(TimeNs now_ns, const ServoFeedback& feedback, const JointAngles& wanted_deg) {
   RecordedFrame frame;
@@ -108,6 +125,7 @@ Recording run_reference(const SpikeImage& image, const SimulatedRunOptions& opti
   SimHead head(options.head);
   ServoGuard guard(image);
   Reference reference(head.params(), controller);
+  DotFinder finder(image, head.params().camera.field_of_view_deg);
   Recording recording = describe_run(image);
   recording.scenario = scenario_name(options.head.scenario.kind);
   recording.seed = options.head.seed;
@@ -129,7 +147,11 @@ Recording run_reference(const SpikeImage& image, const SimulatedRunOptions& opti
     if (head.take_exposure(Eye::Left, now_ns, exposures[0]) == CameraStatus::NewFrame &&
         head.take_exposure(Eye::Right, now_ns, exposures[1]) == CameraStatus::NewFrame) {
       captured_ns = static_cast<TimeNs>(exposures[0].sequence) * period_ns;
-      reference.see(exposures, goal_deg);
+      if (controller.kind == ReferenceKind::PidFromPicture) {
+        reference.servo(seen_dots(head, exposures, finder), goal_deg);
+      } else {
+        reference.see(exposures, goal_deg);
+      }
     }
     head.read(now_ns, feedback);
     RecordedFrame frame = frame_at(now_ns, feedback, goal_deg);

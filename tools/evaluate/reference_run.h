@@ -9,7 +9,9 @@ namespace tectum {
 enum class ReferenceKind {
   Still,   // the eyes stay where they are
   Oracle,  // knows where the target was when the newest frame was taken, and the head's geometry: the physical limit
-  Pid      // pan and tilt of each eye by its retinal error, free of noise, or by the other eye's
+  Pid,     // pan and tilt of each eye by its retinal error, free of noise, or by the other eye's
+  PidFromPicture  // the same by the middle of the largest lit blob in the camera's picture, lit as the first retina has
+                  // it
 };
 
 struct ReferenceController {

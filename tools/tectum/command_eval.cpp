@@ -12,6 +12,7 @@
 #include "tools/evaluate/physiology.h"
 #include "tools/evaluate/tracking_evaluation.h"
 #include "tools/tectum/eval_clinic.h"
+#include "tools/tectum/eval_robustness.h"
 #include "tools/tectum/load_circuit.h"
 #include "tools/tectum/load_protocol.h"
 #include "tools/tectum/progress.h"
@@ -180,6 +181,34 @@ void measure_one_kind(const EvalArguments& arguments, const Protocol& protocol, 
   }
 }
 
+void measure_robustness(const EvalArguments& arguments, const Protocol& protocol, CommandContext& context) {
+  std::vector<std::string> paths = {arguments.circuit.path};
+  paths.insert(paths.end(), arguments.others.begin(), arguments.others.end());
+  std::vector<std::string> parts;
+  for (const std::string& path : paths) {
+    CircuitArguments circuit = arguments.circuit;
+    circuit.path = path;
+    const std::optional<MeasuredProtocol> measured = eval_robustness(
+        circuit, protocol, protocol_path(arguments.protocol, arguments.circuit.path), arguments.threads, context);
+    if (!measured) {
+      return;
+    }
+    const std::string name = fs::path(path).stem().string();
+    if (!arguments.report_path.empty()) {
+      const EvaluationTitle title{name, fmt::format("tectum eval {} --protocol {}", path, arguments.protocol)};
+      report(arguments, measures_report(title, protocol, *measured), context);
+    }
+    if (arguments.circuit.format == "json") {
+      parts.push_back(measures_json(protocol.name, name, measured->tables));
+    } else {
+      context.out << (paths.size() > 1 ? name + '\n' : "") << measures_text(measured->tables);
+    }
+  }
+  if (!parts.empty()) {
+    context.out << json_of(parts);
+  }
+}
+
 void run(const EvalArguments& arguments, CommandContext& context) {
   const std::optional<Protocol> protocol = protocol_of(arguments, context);
   if (!protocol) {
@@ -198,6 +227,10 @@ void run(const EvalArguments& arguments, CommandContext& context) {
   if (!arguments.report_path.empty() && !arguments.others.empty()) {
     context.err << "tectum: --report is for one circuit at a time, except in the clinic\n";
     context.exit_status = kExitTrouble;
+    return;
+  }
+  if (protocol->kind == ProtocolKind::Robustness && !arguments.tunes_pid) {
+    measure_robustness(arguments, *protocol, context);
     return;
   }
   const std::vector<SpikeImage> images = load_circuits(arguments, context);
@@ -263,6 +296,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
       "  tectum eval circuits/oculomotor.json --protocol saccades --report out/saccades.html\n"
       "  tectum eval circuits/oculomotor.json --protocol clinic --report out/clinic.html\n"
+      "  tectum eval circuits/oculomotor.json --protocol robustness            noise, lost frames, lost neurons\n"
       "  tectum eval circuits/oculomotor.json --protocol paper --tune-pid      how the PID servo's gains were found\n");
   command->callback([arguments, &context] { run(*arguments, context); });
 }

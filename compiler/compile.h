@@ -30,7 +30,7 @@ struct CompileOptions {
   Stage last_stage = Stage::Lower;
   std::string last_pass;                // with Stage::Optimise: stop after this pass; empty = all
   std::optional<std::uint64_t> seed;    // instead of the file's
-  std::vector<std::string> lesions;     // "OPN", "EBN.left", "sc_llbn", "SC*->LLBN"
+  std::vector<std::string> lesions;     // "OPN", "EBN.left", "sc_llbn", "SC*->LLBN", "OPN:0.5"
   std::vector<std::string> parameters;  // "g_sc=0.5 nA"
   SourceReader read = read_source;      // of included and extended files
   ElaborateProgress progress;           // of the longest stage, the wiring

@@ -1,6 +1,7 @@
 #include "compiler/elaborate/apply_lesions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "compiler/expression/random_stream.h"
@@ -34,6 +35,29 @@ std::vector<bool> lesioned_pathways(const Lesion& lesion, const Network& network
   return is_cut;
 }
 
+/// True for the pathways that come from what the lesion names.
+std::vector<bool> outgoing_pathways(const Lesion& lesion, const Network& network) {
+  std::vector<bool> is_named = lesioned_pathways(lesion, network);
+  for (std::size_t p = 0; p < network.pathways.size(); ++p) {
+    const auto pre = static_cast<InstanceId>(network.pathways[p].pre_population);
+    is_named[p] =
+        is_named[p] || std::find(lesion.instances.begin(), lesion.instances.end(), pre) != lesion.instances.end();
+  }
+  return is_named;
+}
+
+/// Leaves each synapse, or a random fraction of them, this share of its weight, to the nearest quantum.
+void weaken(const Circuit& circuit, const Lesion& lesion, Network& network) {
+  const std::vector<bool> is_weak = outgoing_pathways(lesion, network);
+  const RandomStream random(circuit.seed, "lesion\n" + lesion.key);
+  Synapses& synapses = network.synapses;
+  for (std::size_t s = 0; s < synapses.size(); ++s) {
+    if (is_weak[synapses.pathway[s]] && random.uniform(s) < lesion.fraction) {
+      synapses.quanta[s] = static_cast<std::int32_t>(std::nearbyint(synapses.quanta[s] * *lesion.weaken_to));
+    }
+  }
+}
+
 template <typename T>
 void keep_marked(std::vector<T>& column, const std::vector<bool>& keep) {
   std::size_t kept = 0;
@@ -55,6 +79,10 @@ void apply_lesions(const Circuit& circuit, Network& network) {
   std::vector<bool> is_silent(network.neuron_count(), false);
   std::vector<bool> keep(synapses.size(), true);
   for (const Lesion& lesion : circuit.lesions) {
+    if (lesion.weaken_to) {
+      weaken(circuit, lesion, network);
+      continue;
+    }
     silence_instances(circuit, lesion, is_silent, network);
     const std::vector<bool> is_cut = lesioned_pathways(lesion, network);
     const RandomStream random(circuit.seed, "lesion\n" + lesion.key);

@@ -252,6 +252,19 @@ struct LesionDecl {
   NameDecl name;  // empty for one from the command line
   std::vector<NameDecl> targets;
   std::optional<ValueDecl> fraction;
+  std::optional<ValueDecl> weaken_to;  // of the weights; else the targets are removed
+};
+
+/// A current from outside the circuit.
+struct StimulusDecl {
+  NameDecl name;
+  std::vector<NameDecl> into;
+  std::optional<NameDecl> receptor;
+  ValueDecl amplitude;
+  ValueDecl at;
+  ValueDecl duration;
+  std::optional<ValueDecl> pulses;
+  std::optional<ValueDecl> every;
 };
 
 /// Weights of these projections are multiplied by one factor, so that their matrix has this leading eigenvalue.
@@ -309,6 +322,7 @@ struct CircuitDecl {
   std::vector<LesionDecl> lesions;
   std::vector<TableDecl> tables;
   std::vector<ScalingDecl> scalings;
+  std::vector<StimulusDecl> stimuli;
   std::vector<ModuleDecl> modules;
   std::vector<InstanceDecl> instances;
   std::vector<ScopeDecl> scopes;             // filled by expand_modules

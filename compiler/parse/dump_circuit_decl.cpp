@@ -72,6 +72,10 @@ std::string dump_circuit_decl(const CircuitDecl& decl) {
   for (const LesionDecl& l : decl.lesions) {
     text += fmt::format("lesion {}: {}\n", l.name.text, joined(l.targets));
   }
+  for (const StimulusDecl& s : decl.stimuli) {
+    text += fmt::format("stimulus {}: {} at {} for {} into {}\n", s.name.text, s.amplitude.text, s.at.text,
+                        s.duration.text, joined(s.into));
+  }
   return text;
 }
 

@@ -43,8 +43,9 @@ std::set<std::string> poisoned_sections(const JsonTree& tree) {
     }
     has_strange_section = has_strange_section || (!is_section(node.key) && node.kind == JsonKind::Object);
   }
-  for (const char* key : {"references", "parameters", "axes", "models", "neurons", "populations", "projections",
-                          "inputs", "outputs", "joints", "lesions", "modules", "instances", "tables", "scalings"}) {
+  for (const char* key :
+       {"references", "parameters", "axes", "models", "neurons", "populations", "projections", "inputs", "outputs",
+        "joints", "lesions", "stimuli", "modules", "instances", "tables", "scalings"}) {
     const bool is_read =
         tree.find(tree.root(), key) != JsonId::None || find_misspelt_section(tree, tree.root(), key) != JsonId::None;
     if (!tree.is_whole || (has_strange_section && !is_read)) {
@@ -84,6 +85,7 @@ std::optional<CircuitDecl> parse_circuit(const JsonTree& tree, const Sources& so
   decl.lesions = parse_section(context, reader, "lesions", parse_lesion);
   decl.tables = parse_section(context, reader, "tables", parse_table);
   decl.scalings = parse_section(context, reader, "scalings", parse_scaling);
+  decl.stimuli = parse_section(context, reader, "stimuli", parse_stimulus);
   decl.modules = parse_section(context, reader, "modules", parse_module);
   decl.instances = parse_section(context, reader, "instances", parse_instance);
   reader.finish();

@@ -9,9 +9,9 @@ namespace tectum {
 namespace {
 
 const std::vector<std::string>& section_names() {
-  static const std::vector<std::string> kNames = {"references",  "parameters",  "axes",      "models",  "neurons",
-                                                  "populations", "projections", "inputs",    "outputs", "joints",
-                                                  "lesions",     "modules",     "instances", "tables",  "scalings"};
+  static const std::vector<std::string> kNames = {
+      "references", "parameters", "axes",    "models",  "neurons", "populations", "projections", "inputs",
+      "outputs",    "joints",     "lesions", "stimuli", "modules", "instances",   "tables",      "scalings"};
   return kNames;
 }
 

@@ -56,5 +56,6 @@ ScalingDecl parse_scaling(const SectionContext& context, const Member& member);
 CellsDecl parse_cells(const SectionContext& context, JsonId id);
 /// An object of column: what stands in it, or a list of such.
 std::vector<KeyedValue> parse_row_filter(const SectionContext& context, ObjectReader& owner, std::string_view key);
+StimulusDecl parse_stimulus(const SectionContext& context, const Member& member);
 
 }  // namespace tectum

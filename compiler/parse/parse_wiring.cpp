@@ -123,8 +123,29 @@ LesionDecl parse_lesion(const SectionContext& context, const Member& member) {
   ObjectReader reader(context.tree, member.id, described("lesion", member.name), context.diagnostics);
   LesionDecl decl;
   decl.name = member.name;
-  decl.targets = reader.required_names("remove");
+  if (reader.has("weaken")) {
+    decl.targets = reader.required_names("weaken");
+    decl.weaken_to = reader.required_value("to");
+  } else {
+    decl.targets = reader.required_names("remove");
+  }
   decl.fraction = reader.value("fraction");
+  static_cast<void>(reader.provenance());
+  reader.finish();
+  return decl;
+}
+
+StimulusDecl parse_stimulus(const SectionContext& context, const Member& member) {
+  ObjectReader reader(context.tree, member.id, described("stimulus", member.name), context.diagnostics);
+  StimulusDecl decl;
+  decl.name = member.name;
+  decl.into = reader.required_names("into");
+  decl.receptor = reader.name("receptor");
+  decl.amplitude = reader.required_value("amplitude");
+  decl.at = reader.required_value("at");
+  decl.duration = reader.required_value("duration");
+  decl.pulses = reader.value("pulses");
+  decl.every = decl.pulses ? std::optional(reader.required_value("every")) : reader.value("every");
   static_cast<void>(reader.provenance());
   reader.finish();
   return decl;

@@ -251,6 +251,7 @@ struct Scaling {
 struct Lesion {
   std::string key;  // of the random draws
   double fraction = 1;
+  std::optional<double> weaken_to;    // instead of removing: what is left of the weights
   std::vector<InstanceId> instances;  // their neurons fall silent
   std::vector<ProjectionId> projections;
   std::vector<std::pair<InstanceId, InstanceId>> pathways;

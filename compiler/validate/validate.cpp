@@ -113,6 +113,7 @@ std::optional<Circuit> validate(const CircuitDecl& decl, const Overrides& overri
   validate_outputs(v);
   validate_lesions(v);
   validate_scalings(v);
+  validate_stimuli(v);
   if (diagnostics.has_errors()) {
     return std::nullopt;
   }

@@ -103,6 +103,13 @@ void add_lesion(Validation& v, const LesionDecl& decl) {
       lesion.fraction = *fraction;
     }
   }
+  if (decl.weaken_to) {
+    const auto share = v.scope.constant(*decl.weaken_to, "to", kNumber);
+    if (share && !(*share >= 0 && *share <= 1)) {
+      v.diagnostics().add(Code::OutOfRange, decl.weaken_to->span, {"to", shown(*share, kNumber), "0 to 1"});
+    }
+    lesion.weaken_to = share.value_or(1);
+  }
   for (const NameDecl& target : decl.targets) {
     if (target.is_poisoned) {
       continue;

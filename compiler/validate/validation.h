@@ -69,6 +69,7 @@ void validate_projections(Validation& v);
 void validate_outputs(Validation& v);
 void validate_lesions(Validation& v);
 void validate_scalings(Validation& v);
+void validate_stimuli(Validation& v);
 
 /// The names of a list of declarations, for suggestions.
 template <typename Decl>

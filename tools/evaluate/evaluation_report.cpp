@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/evaluate/evaluation_text.h"
+#include "tools/evaluate/step_chart.h"
 #include "tools/report/report_page.h"
 #include "tools/report/svg.h"
 
@@ -135,7 +136,7 @@ std::string band_picture(const std::vector<Yardstick>& yardsticks, double width_
 }  // namespace
 
 std::string tracking_report(const EvaluationTitle& title, const Protocol& protocol,
-                            const TrackingEvaluation& evaluation) {
+                            const TrackingEvaluation& evaluation, const RecordedHead* recorded) {
   ReportPage page = begin_page(title, protocol);
   std::vector<ReportCard> cards;
   for (const SettingResult& setting : evaluation.settings) {
@@ -153,8 +154,18 @@ std::string tracking_report(const EvaluationTitle& title, const Protocol& protoc
       table.rows.push_back(
           tracking_row(kControllerNames[c], setting.controllers[c], setting.of(Controller::Oracle).all.rmse_deg));
     }
+    if (recorded != nullptr) {
+      table.rows.push_back(tracking_row("recorded", recorded->result, setting.of(Controller::Oracle).all.rmse_deg));
+    }
     page.table(table);
     page.figure("First trial", "The PID servo: " + gains_text(setting.pid), responsive_chart(excerpt(setting), 300));
+    if (recorded != nullptr) {
+      page.figure("After a jump, beside the recorded head",
+                  fmt::format("Share of the way to the target that the eye has gone, median over the jumps and both "
+                              "eyes of a trial. Recorded: {}.",
+                              recorded->path),
+                  responsive_chart(step_chart(setting, *recorded), 300));
+    }
   }
   add_published(page, protocol);
   return page.finish("Protocol " + protocol.name, subtitle(title, protocol));

@@ -7,6 +7,7 @@
 #include "tools/evaluate/measure_table.h"
 #include "tools/evaluate/physiology.h"
 #include "tools/evaluate/protocol.h"
+#include "tools/evaluate/recorded_head.h"
 #include "tools/evaluate/tracking_evaluation.h"
 
 namespace tectum {
@@ -17,7 +18,7 @@ struct EvaluationTitle {
 };
 
 [[nodiscard]] std::string tracking_report(const EvaluationTitle& title, const Protocol& protocol,
-                                          const TrackingEvaluation& evaluation);
+                                          const TrackingEvaluation& evaluation, const RecordedHead* recorded = nullptr);
 [[nodiscard]] std::string physiology_report(const EvaluationTitle& title, const Protocol& protocol,
                                             const std::vector<Yardstick>& yardsticks);
 [[nodiscard]] std::string measures_report(const EvaluationTitle& title, const Protocol& protocol,

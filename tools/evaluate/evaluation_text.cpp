@@ -28,7 +28,10 @@ struct NamedResult {
   const ControllerResult* result;
 };
 
-std::vector<NamedResult> lines_of(std::span<const CircuitEvaluation> circuits, std::size_t setting) {
+constexpr const char* kRecordedName = "recorded";
+
+std::vector<NamedResult> lines_of(std::span<const CircuitEvaluation> circuits, std::size_t setting,
+                                  const RecordedHead* recorded) {
   std::vector<NamedResult> lines;
   for (const CircuitEvaluation& circuit : circuits) {
     lines.push_back({circuits.size() == 1 ? kControllerNames[0] : circuit.circuit,
@@ -36,6 +39,9 @@ std::vector<NamedResult> lines_of(std::span<const CircuitEvaluation> circuits, s
   }
   for (std::size_t c = 1; c < kControllers; ++c) {
     lines.push_back({kControllerNames[c], &circuits.front().evaluation.settings[setting].controllers[c]});
+  }
+  if (recorded != nullptr) {
+    lines.push_back({kRecordedName, &recorded->result});
   }
   return lines;
 }
@@ -60,7 +66,7 @@ std::string controller_row(const std::string& name, std::size_t width, const Con
       all.median_abs_deg, 100 * all.fovea_share, all.jitter_deg);
 }
 
-std::string steps_table(std::span<const CircuitEvaluation> circuits) {
+std::string steps_table(std::span<const CircuitEvaluation> circuits, const RecordedHead* recorded) {
   const std::size_t width = name_width(circuits, 26);
   const std::string blanks(width - 26, ' ');
   std::string text =
@@ -69,7 +75,7 @@ std::string steps_table(std::span<const CircuitEvaluation> circuits) {
       "                                    (ms)         (%)       (%)           (ms)      (ms)\n";
   for (std::size_t i = 0; i < circuits.front().evaluation.settings.size(); ++i) {
     text += setting_text(circuits.front().evaluation.settings[i].setting) + '\n';
-    for (const NamedResult& line : lines_of(circuits, i)) {
+    for (const NamedResult& line : lines_of(circuits, i, recorded)) {
       const StepSummary& s = line.result->steps;
       text += fmt::format("  {:<{}}{:12.0f}{:12.1f}{:10.1f}{:15.0f}{:10.0f}{:6} of {}\n", line.name, width,
                           1000 * s.median_latency_s, 100 * s.median_overshoot_share, 100 * s.p90_overshoot_share,
@@ -153,10 +159,11 @@ std::string gains_text(const PidGains& gains) {
   return fmt::format("p {:g}, i {:g} Hz, d {:g} ms", gains.p, gains.i_hz, 1000 * gains.d_s);
 }
 
-std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvaluation> circuits) {
+std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvaluation> circuits,
+                          const RecordedHead* recorded) {
   std::string text = head_text(protocol);
   constexpr std::size_t kUsualWidth = 8;
-  const std::size_t width = name_width(circuits, kUsualWidth);
+  const std::size_t width = name_width(circuits, recorded != nullptr ? kUsualWidth + 1 : kUsualWidth);
   const std::string blanks(width - kUsualWidth, ' ');
   text += fmt::format(
       "\nRMSE (deg){0}  left        right         mean          over   RMSE    RMSE  median      on fovea  jitter\n"
@@ -166,7 +173,7 @@ std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvalu
     const SettingResult& setting = circuits.front().evaluation.settings[i];
     text += fmt::format("{}   [pid: {}]\n", setting_text(setting.setting), gains_text(setting.pid));
     const double oracle_rmse_deg = setting.of(Controller::Oracle).all.rmse_deg;
-    for (const NamedResult& line : lines_of(circuits, i)) {
+    for (const NamedResult& line : lines_of(circuits, i, recorded)) {
       text += controller_row(line.name, width, *line.result, oracle_rmse_deg);
     }
   }
@@ -174,12 +181,18 @@ std::string tracking_text(const Protocol& protocol, std::span<const CircuitEvalu
       "mean: of the four channels; wall: by the paper's definition, angles on the wall; settled: without the 300 ms "
       "after each jump\n";
   if (has_steps(protocol)) {
-    text += steps_table(circuits);
+    text += steps_table(circuits, recorded);
+  }
+  if (recorded != nullptr) {
+    const Recording& run = recorded->result.first_trial;
+    text += fmt::format("\nrecorded: {}, {} frames in {:.1f} s; its laser and its start are its own\n", recorded->path,
+                        run.frames.size(), run.duration_s);
   }
   return text + published_table(protocol);
 }
 
-std::string tracking_json(const Protocol& protocol, const std::string& circuit, const TrackingEvaluation& evaluation) {
+std::string tracking_json(const Protocol& protocol, const std::string& circuit, const TrackingEvaluation& evaluation,
+                          const RecordedHead* recorded) {
   Json json;
   json["protocol"] = protocol.name;
   json["circuit"] = circuit;
@@ -195,6 +208,11 @@ std::string tracking_json(const Protocol& protocol, const std::string& circuit, 
     const double oracle_rmse_deg = setting.of(Controller::Oracle).all.rmse_deg;
     for (std::size_t c = 0; c < kControllers; ++c) {
       row[kControllerNames[c]] = controller_json(setting.controllers[c], oracle_rmse_deg);
+    }
+    if (recorded != nullptr) {
+      row[kRecordedName] = controller_json(recorded->result, oracle_rmse_deg);
+      row[kRecordedName].erase("neck_travel_deg");  // the file does not tell where the neck was
+      row[kRecordedName]["file"] = recorded->path;
     }
     json["settings"].push_back(std::move(row));
   }

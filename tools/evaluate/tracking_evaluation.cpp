@@ -7,22 +7,10 @@
 #include "tools/analysis/statistics.h"
 #include "tools/evaluate/parallel_jobs.h"
 #include "tools/evaluate/reference_run.h"
+#include "tools/evaluate/trial_result.h"
 
 namespace tectum {
 namespace {
-
-TrialResult trial_result(const Recording& recording) {
-  TrialResult trial;
-  trial.metrics = tracking_metrics(recording);
-  std::vector<StepResponse> steps;
-  for (const Eye eye : {Eye::Left, Eye::Right}) {
-    const std::vector<StepResponse> of_eye =
-        step_responses(gaze_trace(recording, eye), target_trace(recording, eye), trial.metrics.target_jumps_s);
-    steps.insert(steps.end(), of_eye.begin(), of_eye.end());
-  }
-  trial.steps = summarize_steps(steps);
-  return trial;
-}
 
 double standard_deviation(const std::vector<double>& sample) {
   if (sample.size() < 2) {
@@ -89,28 +77,6 @@ ChannelSummary mean_of(const std::array<ChannelSummary, kChannels>& channels, co
   return sum;
 }
 
-void summarize(ControllerResult& result) {
-  for (std::size_t c = 0; c < kChannels; ++c) {
-    result.channels[c] = channel_summary(result.trials, c);
-  }
-  result.all = mean_of(result.channels, result.trials);
-  const auto middle = [&](double StepSummary::*field) {
-    return median(over_trials(result.trials, [field](const TrialResult& t) { return t.steps.*field; }));
-  };
-  for (const TrialResult& trial : result.trials) {
-    result.steps.steps += trial.steps.steps;
-    result.steps.settled += trial.steps.settled;
-  }
-  result.steps.median_latency_s = middle(&StepSummary::median_latency_s);
-  result.steps.median_overshoot_share = middle(&StepSummary::median_overshoot_share);
-  result.steps.p90_overshoot_share = middle(&StepSummary::p90_overshoot_share);
-  result.steps.median_settled_s = middle(&StepSummary::median_settled_s);
-  result.steps.p90_settled_s = middle(&StepSummary::p90_settled_s);
-  result.neck_travel_deg = mean(over_trials(result.trials, [](const TrialResult& t) {
-    return t.metrics.neck_pan_travel_deg + t.metrics.neck_tilt_travel_deg;
-  }));
-}
-
 Recording without_details(Recording recording) {
   recording.spikes.clear();
   for (RecordedFrame& frame : recording.frames) {
@@ -156,6 +122,41 @@ std::vector<PidGains> grid_of(const PidTuning& tuning) {
 }
 
 }  // namespace
+
+TrialResult trial_result(const Recording& recording) {
+  TrialResult trial;
+  trial.metrics = tracking_metrics(recording);
+  std::vector<StepResponse> steps;
+  for (const Eye eye : {Eye::Left, Eye::Right}) {
+    const std::vector<StepResponse> of_eye =
+        step_responses(gaze_trace(recording, eye), target_trace(recording, eye), trial.metrics.target_jumps_s);
+    steps.insert(steps.end(), of_eye.begin(), of_eye.end());
+  }
+  trial.steps = summarize_steps(steps);
+  return trial;
+}
+
+void summarize(ControllerResult& result) {
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    result.channels[c] = channel_summary(result.trials, c);
+  }
+  result.all = mean_of(result.channels, result.trials);
+  const auto middle = [&](double StepSummary::*field) {
+    return median(over_trials(result.trials, [field](const TrialResult& t) { return t.steps.*field; }));
+  };
+  for (const TrialResult& trial : result.trials) {
+    result.steps.steps += trial.steps.steps;
+    result.steps.settled += trial.steps.settled;
+  }
+  result.steps.median_latency_s = middle(&StepSummary::median_latency_s);
+  result.steps.median_overshoot_share = middle(&StepSummary::median_overshoot_share);
+  result.steps.p90_overshoot_share = middle(&StepSummary::p90_overshoot_share);
+  result.steps.median_settled_s = middle(&StepSummary::median_settled_s);
+  result.steps.p90_settled_s = middle(&StepSummary::p90_settled_s);
+  result.neck_travel_deg = mean(over_trials(result.trials, [](const TrialResult& t) {
+    return t.metrics.neck_pan_travel_deg + t.metrics.neck_tilt_travel_deg;
+  }));
+}
 
 const AxisMetrics& channel_of(const TrackingMetrics& metrics, std::size_t channel) {
   const EyeMetrics& eye = metrics.eye[channel / 2];

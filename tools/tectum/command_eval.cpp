@@ -10,6 +10,7 @@
 #include "tools/evaluate/learning_evaluation.h"
 #include "tools/evaluate/movements.h"
 #include "tools/evaluate/physiology.h"
+#include "tools/evaluate/recorded_head.h"
 #include "tools/evaluate/tracking_evaluation.h"
 #include "tools/tectum/eval_clinic.h"
 #include "tools/tectum/eval_robustness.h"
@@ -31,6 +32,7 @@ struct EvalArguments {
   double duration_s = 0;
   unsigned threads = 0;
   std::string report_path;
+  std::string recorded_path;
   bool tunes_pid = false;
 };
 
@@ -92,7 +94,9 @@ void report(const EvalArguments& arguments, const std::string& html, CommandCont
 }
 
 EvaluationTitle title_of(const EvalArguments& arguments, const SpikeImage& image) {
-  return {name_of(image), fmt::format("tectum eval {} --protocol {}", arguments.circuit.path, arguments.protocol)};
+  const std::string recorded = arguments.recorded_path.empty() ? "" : " --recorded " + arguments.recorded_path;
+  return {name_of(image),
+          fmt::format("tectum eval {} --protocol {}{}", arguments.circuit.path, arguments.protocol, recorded)};
 }
 
 /// JSON of one circuit is an object, of several a list of such.
@@ -101,7 +105,9 @@ std::string json_of(const std::vector<std::string>& circuits) {
 }
 
 void compare_tracking(const EvalArguments& arguments, const Protocol& protocol, const std::vector<SpikeImage>& images,
-                      const std::function<void(double)>& watch, CommandContext& context) {
+                      const std::optional<RecordedHead>& recorded_head, const std::function<void(double)>& watch,
+                      CommandContext& context) {
+  const RecordedHead* recorded = recorded_head ? &*recorded_head : nullptr;
   std::vector<CircuitEvaluation> circuits;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const auto watch_one = [&](double done) {
@@ -110,16 +116,17 @@ void compare_tracking(const EvalArguments& arguments, const Protocol& protocol, 
     circuits.push_back({name_of(images[i]), evaluate_tracking(images[i], protocol, arguments.threads, watch_one)});
   }
   if (!arguments.report_path.empty()) {
-    report(arguments, tracking_report(title_of(arguments, images.front()), protocol, circuits.front().evaluation),
+    report(arguments,
+           tracking_report(title_of(arguments, images.front()), protocol, circuits.front().evaluation, recorded),
            context);
   }
   if (arguments.circuit.format != "json") {
-    context.out << tracking_text(protocol, circuits);
+    context.out << tracking_text(protocol, circuits, recorded);
     return;
   }
   std::vector<std::string> parts;
   for (const CircuitEvaluation& circuit : circuits) {
-    parts.push_back(tracking_json(protocol, circuit.circuit, circuit.evaluation));
+    parts.push_back(tracking_json(protocol, circuit.circuit, circuit.evaluation, recorded));
   }
   context.out << json_of(parts);
 }
@@ -209,9 +216,35 @@ void measure_robustness(const EvalArguments& arguments, const Protocol& protocol
   }
 }
 
+/// What stands in --recorded, read before anything runs; false when it cannot be used.
+bool load_recorded(const EvalArguments& arguments, const Protocol& protocol, std::optional<RecordedHead>& head,
+                   CommandContext& context) {
+  if (arguments.recorded_path.empty()) {
+    return true;
+  }
+  std::string error;
+  if (protocol.kind != ProtocolKind::Tracking || protocol.scenario.kind != ScenarioKind::Step || arguments.tunes_pid) {
+    error = arguments.tunes_pid ? "--recorded has no part in --tune-pid"
+                                : fmt::format(
+                                      "--recorded is a head that follows steps: it goes with --protocol step, "
+                                      "not with `{}`",
+                                      protocol.name);
+  } else {
+    ReadRecordedHead read = read_recorded_head(arguments.recorded_path, protocol.wall_distance_m);
+    head = std::move(read.head);
+    error = std::move(read.error);
+  }
+  if (!error.empty()) {
+    context.err << fmt::format("tectum: {}\n", error);
+    context.exit_status = kExitTrouble;
+  }
+  return error.empty();
+}
+
 void run(const EvalArguments& arguments, CommandContext& context) {
   const std::optional<Protocol> protocol = protocol_of(arguments, context);
-  if (!protocol) {
+  std::optional<RecordedHead> recorded;
+  if (!protocol || !load_recorded(arguments, *protocol, recorded, context)) {
     return;
   }
   if (protocol->kind == ProtocolKind::Clinic) {
@@ -258,7 +291,7 @@ void run(const EvalArguments& arguments, CommandContext& context) {
   } else if (protocol->kind != ProtocolKind::Tracking) {
     measure_one_kind(arguments, *protocol, images, watch, context);
   } else {
-    compare_tracking(arguments, *protocol, images, watch, context);
+    compare_tracking(arguments, *protocol, images, recorded, watch, context);
   }
 }
 
@@ -284,6 +317,11 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       ->check(CLI::Range(1U, 1024U))
       ->type_name("N");
   command->add_option("--report", arguments->report_path, "write a self-contained HTML report")->type_name("FILE");
+  command
+      ->add_option("--recorded", arguments->recorded_path,
+                   "with `step`: a real head's run beside it, a CSV of t_s, laser_x_m, laser_z_m, left_x_m, left_z_m, "
+                   "right_x_m, right_z_m")
+      ->type_name("FILE");
   command->add_flag("--tune-pid", arguments->tunes_pid,
                     "instead: search the protocol's grid for the best PID servo, on the tuning seeds");
   command->footer(
@@ -294,6 +332,7 @@ void add_eval_command(CLI::App& app, CommandContext& context) {
       "  tectum eval circuits/oculomotor.json circuits/balachandar2020.json circuits/polykretis2022.json   side by "
       "side\n"
       "  tectum eval circuits/oculomotor.json --protocol step --lesion IFN\n"
+      "  tectum eval circuits/oculomotor.json --protocol step --recorded head.csv   a real head in the same table\n"
       "  tectum eval circuits/oculomotor.json --protocol saccades --report out/saccades.html\n"
       "  tectum eval circuits/oculomotor.json --protocol clinic --report out/clinic.html\n"
       "  tectum eval circuits/oculomotor.json --protocol robustness            noise, lost frames, lost neurons\n"
